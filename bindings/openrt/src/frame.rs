@@ -115,9 +115,10 @@ fn kind_of_commit(error: &CommitError) -> Error {
     match error {
         CommitError::TooLarge(_) => Error::OutOfMemory,
         // Closing an object that contains itself, or that nests too deep, is an error.
-        CommitError::DanglingId { .. } | CommitError::UnknownShader { .. } | CommitError::Nesting(_) => {
-            Error::InvalidOperation
-        }
+        CommitError::DanglingId { .. }
+        | CommitError::UnknownShader { .. }
+        | CommitError::BadMedium { .. }
+        | CommitError::Nesting(_) => Error::InvalidOperation,
     }
 }
 

@@ -4,8 +4,11 @@
 
 use gnurt::Surroundings;
 use gnurt::osl::Script;
+use gnurt::scene::LayerTextures;
 use gnurt::scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
-use gnurt::scene::material::{Alpha, BumpMap, Color, NormalMap, Opacity, OpacityChannel, Principled};
+use gnurt::scene::material::{
+    Alpha, BumpMap, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef,
+};
 use gnurt::scene::{Camera, Lens, Light, Material, Projection, Surface, Texture};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -93,11 +96,13 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
                 factor: share(given, "iridescence", 0.0)?,
                 ior: given.number("iridescence_ior", 1.0, 100.0)?.unwrap_or(1.3) as f32,
                 thickness: given.number("iridescence_thickness", 0.0, 1e6)?.unwrap_or(400.0) as f32,
+                least_thickness: given.number("iridescence_least", 0.0, 1e6)?.unwrap_or(100.0) as f32,
             },
             diffuse_transmission: DiffuseTransmission {
                 factor: share(given, "diffuse_transmission", 0.0)?,
                 color: given.color("diffuse_transmission_color")?.unwrap_or([1.0; 3]),
             },
+            layer_textures: layer_textures(given)?,
         })),
         _ => {
             return Err(PyValueError::new_err(format!(
@@ -271,4 +276,23 @@ pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
         Some(fault) => Err(PyValueError::new_err(format!("camera: {fault}"))),
         None => Ok(camera),
     }
+}
+
+/// Textures of the layers of a principled material, each named like its number with `_texture` behind.
+fn layer_textures(given: &mut Given) -> PyResult<LayerTextures<TextureRef>> {
+    Ok(LayerTextures {
+        specular: reference(given, "specular_texture")?,
+        specular_color: reference(given, "specular_color_texture")?,
+        clearcoat: reference(given, "clearcoat_texture")?,
+        clearcoat_roughness: reference(given, "clearcoat_roughness_texture")?,
+        clearcoat_normal: reference(given, "clearcoat_normal_texture")?,
+        clearcoat_normal_scale: given.number("clearcoat_normal_scale", -MOST, MOST)?.unwrap_or(1.0) as f32,
+        sheen_color: reference(given, "sheen_color_texture")?,
+        sheen_roughness: reference(given, "sheen_roughness_texture")?,
+        transmission: reference(given, "transmission_texture")?,
+        iridescence: reference(given, "iridescence_texture")?,
+        iridescence_thickness: reference(given, "iridescence_thickness_texture")?,
+        diffuse_transmission: reference(given, "diffuse_transmission_texture")?,
+        diffuse_transmission_color: reference(given, "diffuse_transmission_color_texture")?,
+    })
 }

@@ -76,7 +76,7 @@ impl Output {
     /// Writes it with the given look, or else one that is chosen from the picture, and reports it.
     pub(crate) fn write_with(&self, picture: &Picture, light: LightArguments, messages: Messages) -> Outcome {
         if !self.is_for_screens() {
-            return self.write(picture, DisplayOptions::default());
+            return self.write(picture, DisplayOptions { file: light.file, ..DisplayOptions::default() });
         }
         let (display_options, note) = light.display_options(picture);
         note.iter().for_each(|note| messages.note(note));
@@ -104,7 +104,7 @@ impl Output {
         let options = WriteOptions {
             tone: display_options.tone,
             exposure: display_options.exposure,
-            ..WriteOptions::default()
+            ..display_options.file.options()
         };
         self.put(picture, &options)
     }

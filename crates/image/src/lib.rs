@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod budget;
+pub mod chromaticities;
 mod compare;
 mod error;
 mod exposure;
@@ -25,7 +26,7 @@ pub use compare::{Comparison, compare};
 pub use error::{Error, system_reason};
 pub use exposure::exposure_for;
 pub use file::{
-    ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, WriteOptions, check_writable, decode,
+    ExrCompression, ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, WriteOptions, check_writable, decode,
     decode_data_texture, decode_data_texture_within, decode_texture, decode_texture_within, encode,
     encode_screen, encode_texels, expecting_panics, expects_panics, open_regular, read, read_data_texture,
     read_stored, read_texture, replace_file, replace_file_if, write,

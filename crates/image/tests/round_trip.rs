@@ -170,14 +170,15 @@ fn png_bytes_are_exact() {
 }
 
 #[test]
-fn pngs_of_sixteen_bits_become_floats() {
+fn pngs_of_sixteen_bits_keep_them() {
     let values = image::ImageBuffer::<image::Rgba<u16>, _>::from_raw(1, 1, vec![65535, 0, 32768, 13107]);
     let mut file = std::io::Cursor::new(Vec::new());
     let written = values.expect("four values").write_to(&mut file, image::ImageFormat::Png);
     written.expect("the library writes this format");
     let color = decode_texture(file.get_ref(), "").expect("a PNG of 16 bits");
-    let expected = [1.0, 0.0, srgb::decode_u16(32768), 0.2];
-    assert_eq!(color.data, TexelData::Float(vec![expected]), "colours are sRGB, opacity is linear");
+    let middle = (srgb::decode_u16(32768) * 65535.0).round() as u16;
+    let expected = TexelData::Linear16(vec![[65535, 0, middle, 13107]]);
+    assert_eq!(color.data, expected, "colours are sRGB, opacity is linear");
     let measure = decode_data_texture(file.get_ref(), "").expect("a PNG of 16 bits");
     assert_eq!(measure.data, TexelData::Linear16(vec![[65535, 0, 32768, 13107]]), "measures are linear");
 }

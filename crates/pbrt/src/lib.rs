@@ -49,6 +49,7 @@ pub const FORMAT: Format = Format {
     notes: "surfaces, textures as shaders, lights, cameras; no media, hair, measured materials",
     read: Some(load),
     read_whole: false,
+    says_up: true,
     write: None,
 };
 

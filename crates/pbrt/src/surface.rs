@@ -164,7 +164,7 @@ fn plain_image(input: &Input) -> Option<(&Image, &Texture, f32)> {
 fn plain_texture(image: &Image, texture: &Texture, library: &mut dyn Library) -> Option<TextureRef> {
     let Mapping::Uv { scale, offset } = &image.mapping else { return None };
     let uv_from_mesh = [scale[0], 0.0, 0.0, scale[1], offset[0], offset[1]];
-    Some(TextureRef { texture: library.picture(image, texture)?, uv_from_mesh })
+    Some(TextureRef { uv_from_mesh, ..TextureRef::new(library.picture(image, texture)?) })
 }
 
 fn plain_color(input: &Input, library: &mut dyn Library) -> Option<Color> {

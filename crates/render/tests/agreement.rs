@@ -110,7 +110,7 @@ fn material(scene: &mut Scene, name: &str) -> MaterialId {
         "brushed metal under a film" => layered(Principled {
             metallic: 0.7,
             anisotropy: Anisotropy { strength: 0.7, rotation: 0.5, texture: None },
-            iridescence: Iridescence { factor: 1.0, ior: 1.4, thickness: 380.0 },
+            iridescence: Iridescence { factor: 1.0, ior: 1.4, thickness: 380.0, ..Iridescence::default() },
             ..principled
         }),
         "translucent plastic" => {

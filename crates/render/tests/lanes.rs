@@ -91,7 +91,7 @@ fn scratch(lit: Lit) -> (World, SceneCamera) {
     let rare = Principled {
         metallic: 0.3,
         anisotropy: Anisotropy { strength: 0.8, rotation: 0.4, texture: None },
-        iridescence: Iridescence { factor: 0.6, ior: 1.4, thickness: 350.0 },
+        iridescence: Iridescence { factor: 0.6, ior: 1.4, thickness: 350.0, ..Iridescence::default() },
         diffuse_transmission: DiffuseTransmission { factor: 0.5, color: tint },
         ..plastic.clone()
     };

@@ -95,12 +95,14 @@ pub struct Iridescence {
     pub ior: f32,
     /// Nanometres.
     pub thickness: f32,
+    /// Nanometres, where the texture of the thickness is 0.
+    pub least_thickness: f32,
 }
 
 impl Default for Iridescence {
     /// None.
     fn default() -> Self {
-        Self { factor: 0.0, ior: 1.3, thickness: 400.0 }
+        Self { factor: 0.0, ior: 1.3, thickness: 400.0, least_thickness: 100.0 }
     }
 }
 

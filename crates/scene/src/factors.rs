@@ -11,9 +11,11 @@
 
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::id::TextureId;
+use crate::layer_textures::LayerTextures;
 use crate::material::{
     Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
 };
+use crate::texture::TexcoordSet;
 
 /// Below this roughness solid glass is perfectly smooth.
 const GLASS_ROUGHNESS: f32 = 0.05;
@@ -79,6 +81,8 @@ pub struct Factors {
     pub iridescence_ior: f32,
     /// KHR_materials_iridescence: the greatest, which is that of all without a texture; nanometres.
     pub iridescence_thickness: f32,
+    /// KHR_materials_iridescence: where the texture of the thickness is 0; nanometres.
+    pub iridescence_least_thickness: f32,
     /// KHR_materials_diffuse_transmission.
     pub diffuse_transmission: f32,
     /// KHR_materials_diffuse_transmission.
@@ -95,6 +99,8 @@ pub struct Factors {
     pub anisotropy_texture: Option<MappedTexture>,
     /// Multiplied to the emission.
     pub emission_texture: Option<MappedTexture>,
+    /// Of the extensions.
+    pub layer_textures: LayerTextures<MappedTexture>,
 }
 
 /// The use of the opacity.
@@ -116,6 +122,8 @@ pub struct MappedTexture {
     pub texture: TextureId,
     /// Its transform; `None` = the mesh's coordinates.
     pub transform: Option<TextureTransform>,
+    /// The coordinates of the mesh that it reads.
+    pub set: TexcoordSet,
 }
 
 /// KHR_texture_transform, in glTF's coordinates: v downwards.
@@ -166,6 +174,7 @@ impl Default for Factors {
             iridescence: 0.0,
             iridescence_ior: 1.3,
             iridescence_thickness: 400.0,
+            iridescence_least_thickness: 100.0,
             diffuse_transmission: 0.0,
             diffuse_transmission_color: [1.0; 3],
             base_texture: None,
@@ -174,6 +183,7 @@ impl Default for Factors {
             normal_scale: 1.0,
             anisotropy_texture: None,
             emission_texture: None,
+            layer_textures: LayerTextures::default(),
         }
     }
 }
@@ -202,8 +212,42 @@ impl Factors {
             anisotropy: self.brushed(),
             iridescence: self.film(),
             diffuse_transmission: self.translucence(),
+            layer_textures: self.textures_of_layers(),
             ..Principled::default()
         }
+    }
+
+    /// Textures of the layers that are there: one that is multiplied to zero has no effect.
+    fn textures_of_layers(&self) -> LayerTextures<TextureRef> {
+        let mut all = self.layer_textures;
+        if unit(self.specular) == 0.0 {
+            (all.specular, all.specular_color) = (None, None);
+        }
+        if unit(self.clearcoat) == 0.0 {
+            (all.clearcoat, all.clearcoat_roughness, all.clearcoat_normal) = (None, None, None);
+        }
+        if unit(self.clearcoat_roughness) == 0.0 {
+            all.clearcoat_roughness = None;
+        }
+        if all.clearcoat_normal.is_none() {
+            all.clearcoat_normal_scale = 1.0;
+        }
+        if self.sheen_color.map(unit) == [0.0; 3] {
+            (all.sheen_color, all.sheen_roughness) = (None, None);
+        }
+        if unit(self.sheen_roughness) == 0.0 {
+            all.sheen_roughness = None;
+        }
+        if unit(self.transmission) == 0.0 {
+            all.transmission = None;
+        }
+        if unit(self.iridescence) == 0.0 {
+            (all.iridescence, all.iridescence_thickness) = (None, None);
+        }
+        if unit(self.diffuse_transmission) == 0.0 {
+            (all.diffuse_transmission, all.diffuse_transmission_color) = (None, None);
+        }
+        all.map(MappedTexture::reference)
     }
 
     /// Whether all glass of the material is thin.
@@ -250,6 +294,7 @@ impl Factors {
                     1.3
                 },
                 thickness: positive(self.iridescence_thickness),
+                least_thickness: positive(self.iridescence_least_thickness),
             },
         }
     }
@@ -365,7 +410,7 @@ impl Factors {
 
 impl MappedTexture {
     fn reference(self) -> TextureRef {
-        TextureRef { texture: self.texture, uv_from_mesh: uv_from_mesh(self.transform) }
+        TextureRef { texture: self.texture, uv_from_mesh: uv_from_mesh(self.transform), set: self.set }
     }
 }
 

@@ -5,6 +5,7 @@
 
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::id::MediumId;
+use crate::layer_textures::LayerTextures;
 use crate::medium::{Medium, Phase};
 pub use crate::texture::TextureRef;
 
@@ -160,7 +161,7 @@ impl Surface {
     }
 }
 
-/// glTF's metal and plastic with its extensions. Of their textures only that of the anisotropy is supported.
+/// glTF's metal and plastic with its extensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Principled {
     /// Albedo of the dielectric part, tint of its glass, normal reflectance of the metal part.
@@ -199,6 +200,8 @@ pub struct Principled {
     pub iridescence: Iridescence,
     /// KHR_materials_diffuse_transmission, of the dielectric part's body.
     pub diffuse_transmission: DiffuseTransmission,
+    /// Textures of the layers.
+    pub layer_textures: LayerTextures<TextureRef>,
 }
 
 impl Default for Principled {
@@ -223,6 +226,7 @@ impl Default for Principled {
             anisotropy: Anisotropy::default(),
             iridescence: Iridescence::default(),
             diffuse_transmission: DiffuseTransmission::default(),
+            layer_textures: LayerTextures::default(),
         }
     }
 }
@@ -326,7 +330,7 @@ impl Material {
 
     /// All textures that it reads, with the meaning of their values. A texture that is read twice occurs
     /// twice.
-    pub fn textures(&self) -> impl Iterator<Item = (TextureRef, TextureRole)> {
+    pub fn textures(&self) -> impl Iterator<Item = (TextureRef, TextureRole)> + use<> {
         use TextureRole::{Color as Colors, Data};
         let base = self.surface.base_color().texture;
         let [clamped_roughness, normals, brushed] = match &self.surface {
@@ -356,7 +360,13 @@ impl Material {
             (brushed, Data),
             (self.bump.map(|bump| bump.texture), Data),
         ];
-        all.into_iter().filter_map(|(texture, role)| Some((texture?, role)))
+        let layers = match &self.surface {
+            Surface::Principled(p) => p.layer_textures,
+            _ => LayerTextures::default(),
+        };
+        let of_layers = layers.colors().map(|texture| (texture, Colors));
+        let of_layers = of_layers.chain(layers.data().map(|texture| (texture, Data)));
+        all.into_iter().filter_map(|(texture, role)| Some((texture?, role))).chain(of_layers)
     }
 
     /// The interior of its glass, or of its translucent body; `None` if it is thin or opaque.

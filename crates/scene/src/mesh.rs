@@ -38,6 +38,9 @@ pub struct Mesh {
 /// it.
 pub const TEXCOORD_RQ: &str = "texcoord_rq";
 
+/// Name of the attribute, two floats per vertex, with a second set of texture coordinates, v upwards.
+pub const TEXCOORD_1: &str = "texcoord_1";
+
 /// A named value per triangle or per vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
@@ -67,6 +70,13 @@ impl Mesh {
         let is_it = |a: &&Attribute| a.rate == Rate::Vertex && a.components == 2 && a.name == TEXCOORD_RQ;
         let data = &self.attributes.iter().find(is_it)?.data;
         Some(vertices.map(|i| data.get(2 * i + 1).copied().unwrap_or(1.0)))
+    }
+
+    /// The second set of texture coordinates, `[u, v]` after each other; empty where there is none.
+    #[must_use]
+    pub fn second_texcoords(&self) -> &[f32] {
+        let is_it = |a: &&Attribute| a.rate == Rate::Vertex && a.components == 2 && a.name == TEXCOORD_1;
+        self.attributes.iter().find(is_it).map_or(&[], |attribute| &attribute.data)
     }
 
     /// Bytes that its arrays hold.

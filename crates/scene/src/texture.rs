@@ -51,12 +51,25 @@ pub struct TextureRef {
     pub texture: TextureId,
     /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`, v upwards on both sides.
     pub uv_from_mesh: [f32; 6],
+    /// Which of the mesh's coordinates it reads.
+    pub set: TexcoordSet,
+}
+
+/// One of a mesh's two sets of texture coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum TexcoordSet {
+    /// [`Mesh::texcoords`](crate::Mesh::texcoords).
+    #[default]
+    First,
+    /// The attribute [`TEXCOORD_1`](crate::mesh::TEXCOORD_1). Bump maps, textures of heights and the opacity
+    /// of lamps read the first set.
+    Second,
 }
 
 impl TextureRef {
     /// The texture under the mesh's own coordinates.
     #[must_use]
     pub fn new(texture: TextureId) -> Self {
-        Self { texture, uv_from_mesh: [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] }
+        Self { texture, uv_from_mesh: [1.0, 0.0, 0.0, 1.0, 0.0, 0.0], set: TexcoordSet::First }
     }
 }

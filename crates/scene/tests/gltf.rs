@@ -155,7 +155,7 @@ fn rare_extensions_become_ours() {
     );
     let Surface::Principled(all) = &all.surface else { panic!("{:?}", all.surface) };
     assert_eq!((all.anisotropy.strength, all.anisotropy.rotation), (0.75, 0.5), "brushed");
-    let Iridescence { factor, ior, thickness } = all.iridescence;
+    let Iridescence { factor, ior, thickness, .. } = all.iridescence;
     assert_eq!([factor, ior, thickness], [0.25, 1.5, 300.0], "a film");
     let DiffuseTransmission { factor, color } = all.diffuse_transmission;
     assert_eq!((factor, color), (0.125, [1.0, 0.5, 0.25]), "light goes through");

@@ -237,8 +237,8 @@ fn what_is_not_read_is_told() {
         loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     let reported =
-        lines("surf 0 1 0 1 1 2 3 4\nend\n", "newmtl m\nmap_Ka a.png\nmap_Ks s.png\nmap_Pr r.png\n");
-    for (text, line) in [("`map_Ks`", "t.mtl:3"), ("`map_Pr`", "t.mtl:4"), ("free-form surface", "t.obj:6")] {
+        lines("surf 0 1 0 1 1 2 3 4\nend\n", "newmtl m\nmap_Ka a.png\nmap_Ks s.png\nmap_Ns r.png\n");
+    for (text, line) in [("`map_Ks`", "t.mtl:3"), ("`map_Ns`", "t.mtl:4"), ("free-form surface", "t.obj:6")] {
         assert!(
             reported.iter().any(|l| l.contains(text) && l.contains(line)),
             "{text} at {line}: {reported:?}"
@@ -252,4 +252,38 @@ fn what_is_not_read_is_told() {
             "{text}: {reported:?}"
         );
     }
+}
+
+#[test]
+fn maps_of_roughness_and_metal_are_packed() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let grey = |name: &str, level: u8| {
+        let data = gnurt_scene::texture::TexelData::Linear8(vec![[level, level, level, 255]]);
+        let texels = gnurt_scene::texture::Texels { width: 1, height: 1, data };
+        let png = gnurt_image::encode_texels(&texels, true).expect("a picture");
+        std::fs::write(folder.path().join(name), png).expect("a file");
+    };
+    grey("rough.png", 188);
+    grey("metal.png", 137);
+    let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
+    std::fs::write(folder.path().join("m.obj"), obj).expect("a file");
+    let mtl = "newmtl a\nKd 1 1 1\nmap_Pr rough.png\nmap_Pm metal.png\nPc 0.5\nmap_Pcr rough.png\nmap_Ps metal.png\n";
+    std::fs::write(folder.path().join("m.mtl"), mtl).expect("a file");
+    let loaded = gnurt_scene::io::load(folder.path().join("m.obj")).expect("a scene");
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    let gnurt_scene::Surface::Principled(p) = &loaded.scene.materials()[1].surface else { panic!("layers") };
+    assert_eq!(
+        (p.metallic, p.roughness, p.clearcoat, p.clearcoat_roughness),
+        (1.0, 1.0, 0.5, 1.0),
+        "factors"
+    );
+    let packed = loaded.scene.texture(p.metallic_roughness_texture.expect("a texture").texture);
+    let texel = packed.texels.texel(0, 0);
+    let close = |a: f32, b: f32| (a - b).abs() < 0.01;
+    assert!(close(texel[1], 188.0 / 255.0) && close(texel[2], 137.0 / 255.0), "green and blue: {texel:?}");
+    let maps = p.layer_textures;
+    assert!(
+        maps.sheen_color.is_some() && maps.clearcoat_roughness.is_some() && maps.clearcoat.is_none(),
+        "{maps:?}"
+    );
 }

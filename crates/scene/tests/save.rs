@@ -221,7 +221,7 @@ fn layers_come_back() {
             scatter_anisotropy: 0.25,
         },
         anisotropy: Anisotropy { strength: 0.5, rotation: 0.75, texture: None },
-        iridescence: Iridescence { factor: 0.5, ior: 1.25, thickness: 320.0 },
+        iridescence: Iridescence { factor: 0.5, ior: 1.25, thickness: 320.0, ..Iridescence::default() },
         diffuse_transmission: DiffuseTransmission { factor: 0.25, color: [1.0, 0.5, 0.25] },
         ..Principled::default()
     };
@@ -459,7 +459,7 @@ fn what_is_lost_is_told() {
     let surfaces = [metal, rough, glass, catcher, layered, bright, Surface::Shader(0)];
     let mut scene = scene_of(surfaces.map(of));
     let hdr = scene.add_texture(texture(TexelData::Float(vec![[4.0; 4]; 2])));
-    let turned = TextureRef { texture: hdr, uv_from_mesh: [0.0, 1.0, -1.0, 0.0, 0.0, 0.0] };
+    let turned = TextureRef { uv_from_mesh: [0.0, 1.0, -1.0, 0.0, 0.0, 0.0], ..TextureRef::new(hdr) };
     let bump = Some(gnurt_scene::material::BumpMap { texture: turned, height: 1.0 });
     let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Red };
     let mask = Alpha::Mask { cutoff: 0.5, opacity };
@@ -526,4 +526,54 @@ fn gltf_lists_what_it_uses() {
     let bright = scene_of([of(Surface::Matte { base_color: Color::constant([2.0, 0.5, 0.25]) })]);
     let back = there_and_back(&bright, "a.gltf");
     assert_eq!(back.materials()[0].surface.base_color().factor, [1.0, 0.5, 0.25], "factors stop at 1");
+}
+
+/// Scenes of all kinds of channels, written and read again: equal at all times.
+#[test]
+fn animations_are_written() {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for k in 0..4 {
+        let name = format!("chance-{k}.gltf");
+        let mut first = gnurt_scene::io::load(data.join(&name)).expect("a scene").scene;
+        assert!(first.animation().is_some_and(|a| !a.clips.is_empty()), "{name} moves");
+        for written in ["again.gltf", "again.glb"] {
+            let path = folder.path().join(written);
+            let warnings = save(&first, &path).expect("written");
+            let text = warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+            assert!(!text.contains("animation"), "{name}: {text}");
+            let mut second = gnurt_scene::io::load(&path).unwrap_or_else(|e| panic!("{name}: {e}")).scene;
+            let clips = first.animation().map_or(0, |a| a.clips.len());
+            assert_eq!(second.animation().map_or(0, |a| a.clips.len()), clips, "{name}: clips");
+            for clip in 0..clips {
+                for step in 0..5 {
+                    let seconds = f64::from(step) * 0.37;
+                    first.pose(clip, seconds);
+                    second.pose(clip, seconds);
+                    let context = format!("{name}, clip {clip} at {seconds}");
+                    let (a, b) = (shown(&first), shown(&second));
+                    assert_eq!(a.len(), b.len(), "{context}: triangles");
+                    for x in &a {
+                        let is_same = |y: &Vec<f64>| {
+                            x.iter().zip(y).all(|(x, y)| (x - y).abs() < 1e-4 * (1.0 + x.abs()))
+                        };
+                        assert!(b.iter().any(is_same), "{context}: {x:?} is not among {b:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Coordinates of all triangles in the world.
+fn shown(scene: &Scene) -> Vec<Vec<f64>> {
+    let mut triangles = Vec::new();
+    for found in scene.occurrences() {
+        for &id in &found.object.meshes {
+            let mesh = scene.mesh(id);
+            let at = |i: u32| found.world_from_object.point(mesh.positions[i as usize].map(f64::from));
+            triangles.extend(mesh.indices.iter().map(|triangle| triangle.map(at).concat()));
+        }
+    }
+    triangles
 }

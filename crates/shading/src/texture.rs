@@ -27,12 +27,16 @@ pub struct TextureSampler {
     pub minify: Option<(Minify, Arc<MipMap>)>,
     /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`.
     pub uv_from_mesh: [f32; 6],
+    /// The requested attribute with the texture's coordinates, in the order of
+    /// [`SurfaceBatch::attributes`]; `None` = the mesh's own. Such textures are read without footprints,
+    /// because the change of these coordinates over the surface is unknown.
+    pub attribute: Option<usize>,
 }
 
 /// Samplers are equal if they read the same texels, in memory, in the same way.
 impl PartialEq for TextureSampler {
     fn eq(&self, other: &Self) -> bool {
-        let Self { texels, wrap, linear, minify, uv_from_mesh } = self;
+        let Self { texels, wrap, linear, minify, uv_from_mesh, attribute } = self;
         let same_mips = match (minify, &other.minify) {
             (None, None) => true,
             (Some((how, mips)), Some((other_how, other_mips))) => {
@@ -42,6 +46,7 @@ impl PartialEq for TextureSampler {
         };
         let same_direction =
             (wrap, linear, uv_from_mesh) == (&other.wrap, &other.linear, &other.uv_from_mesh);
+        let same_direction = same_direction && *attribute == other.attribute;
         Arc::ptr_eq(texels, &other.texels) && same_direction && same_mips
     }
 }
@@ -51,7 +56,7 @@ impl TextureSampler {
     #[must_use]
     pub fn new(texels: Arc<Texels>) -> Self {
         let uv_from_mesh = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-        Self { texels, wrap: [Wrap::Repeat; 2], linear: true, minify: None, uv_from_mesh }
+        Self { texels, wrap: [Wrap::Repeat; 2], linear: true, minify: None, uv_from_mesh, attribute: None }
     }
 
     /// Linear red, green, blue and opacity at the mesh's coordinates `uv`.
@@ -94,8 +99,9 @@ impl TextureSampler {
     /// The mean over the footprint of lane `i` of a batch; an approximation if a broad lobe sent the ray.
     #[must_use]
     pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> [f32; 4] {
-        let uv = hits.uv(i);
+        let uv = self.uv(hits, i);
         match &self.minify {
+            _ if self.attribute.is_some() => self.sample(uv),
             None => self.sample(uv),
             Some((Minify::Ellipse, mips)) if hits.is_vague(i) => {
                 let [a, b, c, d, ..] = self.uv_from_mesh;
@@ -106,6 +112,14 @@ impl TextureSampler {
             Some((Minify::Ellipse, _)) => self.sample_over(uv, hits.texture_axes(i)),
             Some(_) => self.sample_wide(uv, hits.texture_width(i)),
         }
+    }
+
+    /// The coordinates of lane `i` of a batch that the texture reads.
+    #[inline]
+    #[must_use]
+    pub fn uv(&self, hits: &SurfaceBatch, i: usize) -> [f32; 2] {
+        let Some(values) = self.attribute.and_then(|k| hits.attributes.get(k)) else { return hits.uv(i) };
+        [0, 1].map(|k| values.get(k * hits.len() + i).copied().unwrap_or(0.0))
     }
 
     /// The texture's own coordinates.

@@ -44,5 +44,6 @@ pub const FORMAT: Format = Format {
     notes: "read at one moment: [USD](usd.md)",
     read: Some(load::load),
     read_whole: false,
+    says_up: true,
     write: Some(save::WRITER),
 };

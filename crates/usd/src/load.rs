@@ -87,8 +87,9 @@ fn session_layer(variants: &[VariantChoice]) -> Result<String, (String, String)>
             |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-|.".contains(c));
         let is_path = prim.starts_with('/') && prim.len() > 1 && prim[1..].split('/').all(is_name);
         if !is_path || !is_name(set) || !is_name(variant) {
+            let named = if prim.is_empty() { variant.clone() } else { format!("{prim}:{set}={variant}") };
             return Err((
-                format!("variant '{prim}:{set}={variant}'"),
+                format!("variant '{named}'"),
                 "valid is a path, a set and a variant: /World/Chair:fabric=red".to_owned(),
             ));
         }

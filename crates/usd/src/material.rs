@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use gnurt_scene::factors::{AlphaMode, Factors, MappedTexture, TextureTransform};
 use gnurt_scene::io::reader::{Meaning, Pictures};
 use gnurt_scene::material::{Alpha, Color, Material, Opacity, OpacityChannel, Surface, TextureRef};
+use gnurt_scene::texture::TexcoordSet;
 use gnurt_scene::{MaterialId, Scene};
 use openusd::sdf::Path;
 
@@ -252,7 +253,10 @@ impl Network<'_, '_> {
     }
 
     fn reference(&mut self, map: &Sampled) -> TextureRef {
-        TextureRef { texture: self.materials.textures.id(self.scene, map), uv_from_mesh: map.uv_from_mesh }
+        TextureRef {
+            uv_from_mesh: map.uv_from_mesh,
+            ..TextureRef::new(self.materials.textures.id(self.scene, map))
+        }
     }
 
     /// A texture as glTF's materials have it: v downwards.
@@ -260,12 +264,13 @@ impl Network<'_, '_> {
         let texture = self.materials.textures.id(self.scene, map);
         let [a, b, c, d, e, f] = map.uv_from_mesh;
         if [a, b, c, d, e, f] == [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] {
-            return MappedTexture { texture, transform: None };
+            return MappedTexture { texture, transform: None, set: TexcoordSet::First };
         }
         let (scale, rotation) = ([a.hypot(b), c.hypot(d).copysign(a * d - b * c)], b.atan2(a));
         let (sin, cos) = rotation.sin_cos();
         let offset = [e - sin * scale[1], 1.0 - cos * scale[1] - f];
-        MappedTexture { texture, transform: Some(TextureTransform { offset, rotation, scale }) }
+        let transform = Some(TextureTransform { offset, rotation, scale });
+        MappedTexture { texture, transform, set: TexcoordSet::First }
     }
 
     /// Green and blue of one texture, whatever textures they come from.

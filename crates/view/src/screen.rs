@@ -144,6 +144,16 @@ pub(crate) fn develop(
         ToneCurve::Clamp => table.row(|x| x, gain, colors, out),
         ToneCurve::Reinhard => table.row(|x| ToneCurve::Reinhard.apply(x), gain, colors, out),
         ToneCurve::Filmic => table.row(|x| ToneCurve::Filmic.apply(x), gain, colors, out),
+        curve @ (ToneCurve::Agx | ToneCurve::Neutral) => {
+            let mut shown = [[0.0; 4]; 8 * PIECE];
+            for (colors, out) in colors.chunks(shown.len()).zip(out.chunks_mut(shown.len())) {
+                for (to, &[r, g, b, a]) in shown.iter_mut().zip(colors) {
+                    let [r, g, b] = curve.apply_rgb([r * gain, g * gain, b * gain]);
+                    *to = [r, g, b, a];
+                }
+                table.row(|x| x, 1.0, &shown[..colors.len()], out);
+            }
+        }
     };
     // The first row of the screen that shows this row of the picture or one below it.
     let shown_from = |source: usize| (source * rows).div_ceil(from_rows);

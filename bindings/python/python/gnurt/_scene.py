@@ -70,7 +70,9 @@ class Scene(_Scene):
 
         Textures are numbers of `add_texture`, or (number, (a, b, c, d, e, f)) for u' = a u + c v + e, v' = b u + d v + f. They are color_texture,
         metallic_roughness_texture, normal_texture (normal_scale), emission_texture, opacity_texture (opacity_channel, opacity_cutoff),
-        bump_texture (bump_height), anisotropy_texture.
+        bump_texture (bump_height), anisotropy_texture; of layers specular, specular_color, clearcoat, clearcoat_roughness, clearcoat_normal,
+        sheen_color, sheen_roughness, transmission, iridescence, iridescence_thickness, diffuse_transmission and
+        diffuse_transmission_color, each with _texture behind.
 
         Or shader=FILE or source text in the shading language, parameters={name: number, text or several of them}, and
         textures={name: number} for pictures that it calls by names.

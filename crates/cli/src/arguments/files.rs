@@ -7,12 +7,12 @@ use std::path::PathBuf;
 use clap::Args;
 use gnurt::LoadOptions;
 use gnurt::image::TileCache;
-use gnurt::scene::io::VariantChoice;
+use gnurt::scene::io::{UpAxis, VariantChoice};
 
 use super::value;
 use crate::failure::Failure;
 
-/// `--confine`, `--texture-memory`, `--variant` and `--subdivision`.
+/// `--confine`, `--texture-memory`, `--variant`, `--subdivision`, `--up` and `--strict`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FileArguments {
     /// Read files named by the scene (libraries, textures, buffers) only below this folder; links are followed
@@ -36,12 +36,13 @@ pub(crate) struct FileArguments {
     )]
     texture_memory: Option<u64>,
 
-    /// Choose a variant of a USD scene in place of the file's choice; may be given again for others
+    /// Choose a variant of a glTF scene by NAME, or one of a USD scene in place of the file's choice; may be given
+    /// again for others of USD
     #[arg(
         long,
         help_heading = "Scene",
         hide_short_help = true,
-        value_name = "/PRIM:SET=NAME",
+        value_name = "NAME|/PRIM:SET=NAME",
         value_parser = value::variant,
         allow_hyphen_values = true
     )]
@@ -57,6 +58,21 @@ pub(crate) struct FileArguments {
         allow_hyphen_values = true
     )]
     subdivision: Option<u32>,
+
+    /// Name the axis that points upwards in an OBJ, PLY or STL file: x, y, z [default: y]
+    #[arg(
+        long,
+        help_heading = "Scene",
+        hide_short_help = true,
+        value_name = "AXIS",
+        value_parser = value::up_axis,
+        allow_hyphen_values = true
+    )]
+    up: Option<UpAxis>,
+
+    /// Take warnings of the scene's files as errors
+    #[arg(long, help_heading = "Scene", hide_short_help = true)]
+    strict: bool,
 }
 
 impl FileArguments {
@@ -65,6 +81,7 @@ impl FileArguments {
         let failed = |error| Failure::data(format_args!("--texture-memory: {error}"));
         let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;
         let (confine, variants) = (self.confine.clone(), self.variant.clone());
-        Ok(LoadOptions { confine, tiles, variants, subdivision: self.subdivision, at: None })
+        let Self { subdivision, strict, up, .. } = *self;
+        Ok(LoadOptions { confine, tiles, variants, subdivision, strict, up, at: None })
     }
 }

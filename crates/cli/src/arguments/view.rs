@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use gnurt::accel::Memory;
 use gnurt::display_rules::TONE;
-use gnurt::image::{Picture, ToneCurve, exposure_for};
+use gnurt::image::{ExrCompression, ExrPixels, Picture, ToneCurve, WriteOptions, exposure_for};
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
@@ -230,7 +230,7 @@ pub(crate) struct TreeArguments {
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Look")]
 pub(crate) struct LightArguments {
-    /// Tone curve of PNG files: filmic (a fit of ACES), clamp or reinhard
+    /// Tone curve of PNG, JPEG and WebP files: filmic (a fit of ACES), agx, neutral (Khronos PBR Neutral), clamp or reinhard
     #[arg(
         long,
         value_name = "NAME",
@@ -240,7 +240,7 @@ pub(crate) struct LightArguments {
         hide_short_help = true
     )]
     pub(crate) tone: ToneCurve,
-    /// Exposure of PNG files in stops, each doubles the light: 0 = unchanged, auto = from the picture
+    /// Exposure of PNG, JPEG and WebP files in stops, each doubles the light: 0 = unchanged, auto = from the picture
     #[arg(
         long,
         value_name = "EV",
@@ -249,6 +249,47 @@ pub(crate) struct LightArguments {
         default_value = "auto"
     )]
     pub(crate) exposure: ExposureChoice,
+    #[command(flatten)]
+    pub(crate) file: PictureFileArguments,
+}
+
+/// How a picture is stored where its format leaves a choice.
+#[derive(Args, Clone, Copy, Debug, Default, PartialEq)]
+#[command(next_help_heading = "Look")]
+pub(crate) struct PictureFileArguments {
+    /// Bits of a channel: 8 or 16 in a PNG [default: 8], 16 or 32 in an EXR [default: 32 if a value needs it]
+    #[arg(long, value_name = "N", value_parser = value::bits, allow_hyphen_values = true, hide_short_help = true)]
+    bits: Option<u8>,
+    /// Compression of an EXR: none, rle, zips, zip, piz or pxr24 [default: zip]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = value::compression,
+        allow_hyphen_values = true,
+        hide_short_help = true
+    )]
+    compression: Option<ExrCompression>,
+    /// Quality of a JPEG, 1 = the smallest file, to 100 [default: 92]
+    #[arg(long, value_name = "N", value_parser = value::quality, allow_hyphen_values = true, hide_short_help = true)]
+    quality: Option<u8>,
+}
+
+impl PictureFileArguments {
+    /// These choices, and the defaults of the rest.
+    pub(crate) fn options(self) -> WriteOptions {
+        let default = WriteOptions::default();
+        WriteOptions {
+            png_16_bits: self.bits == Some(16),
+            exr_pixels: match self.bits {
+                Some(16) => ExrPixels::Half,
+                Some(32) => ExrPixels::Float,
+                _ => default.exr_pixels,
+            },
+            exr_compression: self.compression.unwrap_or_default(),
+            jpeg_quality: self.quality.unwrap_or(default.jpeg_quality),
+            ..default
+        }
+    }
 }
 
 impl LightArguments {
@@ -263,7 +304,9 @@ impl LightArguments {
     /// Curve and exposure of this picture; the note reports a chosen exposure.
     pub(crate) fn display_options(self, picture: &Picture) -> (DisplayOptions, Option<String>) {
         match self.exposure {
-            ExposureChoice::Stops(exposure) => (DisplayOptions { tone: self.tone, exposure }, None),
+            ExposureChoice::Stops(exposure) => {
+                (DisplayOptions { tone: self.tone, exposure, file: self.file }, None)
+            }
             ExposureChoice::Auto => self.chosen(exposure_for(picture)),
         }
     }
@@ -271,7 +314,7 @@ impl LightArguments {
     /// The same for an exposure that was chosen elsewhere.
     pub(crate) fn chosen(self, exposure: f32) -> (DisplayOptions, Option<String>) {
         let note = format!("exposure {exposure:+.2} chosen from the picture; --exposure {exposure} keeps it");
-        (DisplayOptions { tone: self.tone, exposure }, Some(note))
+        (DisplayOptions { tone: self.tone, exposure, file: self.file }, Some(note))
     }
 }
 
@@ -281,4 +324,6 @@ pub(crate) struct DisplayOptions {
     pub(crate) tone: ToneCurve,
     /// Stops.
     pub(crate) exposure: f32,
+    /// How it is stored.
+    pub(crate) file: PictureFileArguments,
 }

@@ -91,7 +91,9 @@ fn show_view(
 ) -> Result<(DisplayOptions, Option<String>), Failure> {
     let light = light.suited(chosen.exposure_of(options.integrator));
     Ok(match light.exposure {
-        ExposureChoice::Stops(exposure) => (DisplayOptions { tone: light.tone, exposure }, None),
+        ExposureChoice::Stops(exposure) => {
+            (DisplayOptions { tone: light.tone, exposure, file: light.file }, None)
+        }
         ExposureChoice::Auto => {
             light.chosen(meter(&stage.world, &*chosen.rays, options, pool).map_err(Failure::usage)?)
         }
@@ -151,7 +153,7 @@ fn run_windowless(
     let is_kept = output.is_some_and(Output::is_for_screens);
     let (show_view, note) = match arguments.light.exposure {
         ExposureChoice::Auto if !is_kept => {
-            (DisplayOptions { tone: arguments.light.tone, exposure: 0.0 }, None)
+            (DisplayOptions { tone: arguments.light.tone, exposure: 0.0, file: arguments.light.file }, None)
         }
         _ => show_view(arguments.light, &stage, &chosen, &render, pool)?,
     };

@@ -83,7 +83,7 @@ fn files_may_have_any_name() {
 }
 
 #[test]
-fn unknown_required_extensions_warn() {
+fn unknown_extensions_warn_or_fail() {
     let folder = Folder::new();
     let text = samples::gltf(Some("triangle.bin"));
     folder.write("triangle.bin", samples::gltf_buffer());
@@ -91,6 +91,10 @@ fn unknown_required_extensions_warn() {
     let required = r#"{"extensionsUsed":["EXT_odd"],"extensionsRequired":["EXT_odd"],"#;
     folder.write("odd.gltf", text.replacen('{', required, 1));
     assert_eq!(render(&folder, "known.gltf").lines("warning: ").len(), 0, "nothing odd");
-    let run = render(&folder, "odd.gltf");
+    folder.gnurt("info odd.gltf").fails(1, "the file requires the extension `EXT_odd`");
+    folder.write("used.gltf", text.replacen('{', r#"{"extensionsUsed":["EXT_odd"],"#, 1));
+    let run = render(&folder, "used.gltf");
     assert!(run.lines("warning: ").len() == 1 && run.stderr.contains("EXT_odd"), "{}", run.stderr);
+    folder.gnurt("info used.gltf --strict").fails(1, "warnings are errors");
+    folder.gnurt("info known.gltf --strict").success();
 }

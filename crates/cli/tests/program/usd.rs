@@ -52,7 +52,8 @@ fn moments_and_variants_are_listed() {
     let shown = &later["occurrences"][0];
     assert_eq!((&shown["area"], &shown["centroid"][0]), (&24.0.into(), &2.0.into()), "{shown}");
     folder.gnurt("info stage.usda --variant /World:size=huge").fails(1, "size=huge");
-    folder.gnurt("info stage.usda --variant World").fails(2, "/PRIM:SET=NAME");
+    folder.gnurt("info stage.usda --variant /World").fails(2, "/PRIM:SET=NAME");
+    folder.gnurt("info stage.usda --variant World").fails(1, "variant 'World'");
 }
 
 #[test]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! PNG: 8 bits per channel in sRGB with opacity when written; its chunks are checked before it is decoded.
+//! PNG: 8 or 16 bits per channel in sRGB with opacity when written; its chunks are checked before it is decoded.
 //! From the PNG specification, third edition. In: linear light. Out: straight opacity. Invariants: the same picture gives
 //! the same bytes (no time, no metadata but the program's name); NaN becomes 0. Tests: `tests/round_trip.rs`.
 
@@ -12,7 +12,7 @@ use crate::{Error, Picture, TexelData, Texels, screen_bytes, srgb};
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "PNG",
     extensions: &["png"],
-    notes: "written with 8 bits, sRGB; read with 8 or 16",
+    notes: "sRGB, 8 or 16 bits; profiles are applied",
     is_for_screens: true,
     has_opacity: true,
     has_layers: false,
@@ -23,9 +23,28 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
 };
 
 fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+    if options.png_16_bits {
+        return encode_wide(picture, options);
+    }
     let bytes = |color| screen_bytes(color, options.tone, options.exposure);
     let pixels: Vec<u8> = picture.on_screen().flat_map(bytes).collect();
     encode_bytes([picture.width, picture.height], png::ColorType::Rgba, png::Compression::default(), &pixels)
+}
+
+/// With 16 bits for each channel.
+fn encode_wide(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+    let gain = options.exposure.exp2();
+    // `as` saturates and turns NaN into 0.
+    let wide = |value: f32| ((value * 65535.0 + 0.5) as u16).to_be_bytes();
+    let texel = |[r, g, b, a]: [f32; 4]| {
+        let [r, g, b] = options.tone.apply_rgb([r * gain, g * gain, b * gain]).map(srgb::encode);
+        [r, g, b, a].map(wide)
+    };
+    let pixels: Vec<u8> = picture.on_screen().flat_map(texel).flatten().collect();
+    let meaning = Some(png::SrgbRenderingIntent::RelativeColorimetric);
+    let size = [picture.width, picture.height];
+    let compression = png::Compression::default();
+    encode_with(size, png::ColorType::Rgba, png::BitDepth::Sixteen, compression, meaning, &pixels)
 }
 
 /// The bytes of the PNG file of a screen of that many columns and rows, row by row from the upper left pixel; pixels are

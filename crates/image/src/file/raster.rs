@@ -2,21 +2,22 @@
 //! PNG, JPEG, TGA, BMP and WebP, decoded by the `image` library behind checks of our own.
 //! In: bytes. Out: texels, rows from the top: 8-bit values as they are, 16-bit ones of measures too, those of colours as linear floats.
 //! Invariants: sizes and memory are checked against `limits` before pixels are decoded; a panic of the
-//! library becomes an error. Colour profiles and orientation tags are not read. Tests:
-//! `tests/{round_trip,broken}.rs`.
+//! library becomes an error. Colour profiles (`icc`) are applied to colours, orientation tags to all. Tests:
+//! `tests/{round_trip,broken,profiles}.rs`.
 
 use std::io::SeekFrom;
 
 use image::codecs::{
     bmp::BmpDecoder, jpeg::JpegDecoder, png::PngDecoder, tga::TgaDecoder, webp::WebPDecoder,
 };
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, Limits};
 
 use super::format::{Meaning, PictureFormat, Readers, Signature};
 use super::guard::decode_guarded;
 use super::limits::{PICTURE_BYTES, check_bytes, check_density};
 use super::source::Source;
-use super::{jpeg, png_chunks, webp};
+use super::{icc, jpeg, png_chunks, screens, webp};
 use crate::{Budget, Error, Picture, Stored, StoredValues, TexelData, Texels, srgb};
 
 /// A format that the library decodes.
@@ -67,7 +68,7 @@ pub(super) const PNG: Readers = reader!(RasterFormat::Png);
 const READ_ONLY: PictureFormat = PictureFormat {
     name: "",
     extensions: &[],
-    notes: "colour profiles and orientation are ignored",
+    notes: "no colour profiles",
     is_for_screens: false,
     has_opacity: false,
     has_layers: false,
@@ -81,8 +82,11 @@ const READ_ONLY: PictureFormat = PictureFormat {
 pub(super) const JPEG: PictureFormat = PictureFormat {
     name: "JPEG",
     extensions: &["jpg", "jpeg"],
+    notes: "8 bits, sRGB; profiles and orientation are applied",
+    is_for_screens: true,
     signature: Signature::Head(|head| head.starts_with(&[0xff, 0xd8, 0xff])),
     read: reader!(RasterFormat::Jpeg),
+    write: Some(screens::encode_jpeg),
     ..READ_ONLY
 };
 
@@ -108,9 +112,12 @@ pub(super) const BMP: PictureFormat = PictureFormat {
 pub(super) const WEBP: PictureFormat = PictureFormat {
     name: "WebP",
     extensions: &["webp"],
-    notes: "first frame of an animation",
+    notes: "written without loss; first frame of an animation",
+    is_for_screens: true,
+    has_opacity: true,
     signature: Signature::Head(|head| head.starts_with(b"RIFF") && head.ends_with(b"WEBP")),
     read: reader!(RasterFormat::Webp),
+    write: Some(screens::encode_webp),
     ..READ_ONLY
 };
 
@@ -121,7 +128,7 @@ fn picture(
     format: RasterFormat,
     budget: &Budget,
 ) -> Result<Picture, Error> {
-    let request = Request { floats: true, wide: PICTURE_BYTES, budget };
+    let request = Request { floats: true, wide: PICTURE_BYTES, is_color: true, space: None, budget };
     Ok(texels_of(decode(source, length, format, request)?, Meaning::Color)?.into())
 }
 
@@ -133,9 +140,10 @@ fn texels(
     meaning: Meaning,
     budget: &Budget,
 ) -> Result<Texels, Error> {
-    let wide = if meaning == Meaning::Color { PICTURE_BYTES } else { 8 };
-    let request = Request { floats: false, wide, budget };
-    texels_of(decode(source, length, format, request)?, meaning)
+    let is_color = meaning == Meaning::Color;
+    let request = Request { floats: false, wide: 8, is_color, space: None, budget };
+    let image = decode(source, length, format, request)?;
+    if is_color && is_wide(image.color()) { colors_of(image) } else { texels_of(image, meaning) }
 }
 
 /// The picture as it is stored.
@@ -145,7 +153,8 @@ fn stored(
     format: RasterFormat,
     budget: &Budget,
 ) -> Result<Stored, Error> {
-    let image = decode(source, length, format, Request { floats: false, wide: PICTURE_BYTES, budget })?;
+    let request = Request { floats: false, wide: PICTURE_BYTES, is_color: false, space: None, budget };
+    let image = decode(source, length, format, request)?;
     let size = [image.width() as usize, image.height() as usize];
     let channels = usize::from(image.color().channel_count());
     let values = match image {
@@ -163,12 +172,16 @@ fn stored(
 }
 
 /// The requested form of a picture, and its budget.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Request<'a> {
     /// Whether bytes become floats in the end.
     floats: bool,
     /// Bytes that a texel of 16-bit values becomes.
     wide: u64,
+    /// Whether it holds colours, which have a profile.
+    is_color: bool,
+    /// The space of its colours by chunks of its own.
+    space: Option<icc::Conversion>,
     budget: &'a Budget,
 }
 
@@ -183,7 +196,11 @@ fn decode(
         // In addition to the pixels a decoder takes rows, or for each pixel a number of bytes of
         // coefficients, planes or frames.
         RasterFormat::Png => {
-            let limits = alloc_limits(png_chunks::check(source, length)?, request.budget);
+            let (pixel_bytes, space) = png_chunks::check(source, length)?;
+            let limits = alloc_limits(pixel_bytes, request.budget);
+            let space =
+                space.filter(|_| request.is_color).and_then(|space| icc::Conversion::of_space(&space));
+            let request = Request { space, ..request };
             let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
             decode_within(decoder, Sidecar::pixels(0), format, request)
         }
@@ -233,9 +250,9 @@ impl Sidecar {
     }
 }
 
-/// Decodes within the memory budget.
+/// Decodes within the memory budget, upright.
 fn decode_within(
-    decoder: impl ImageDecoder,
+    mut decoder: impl ImageDecoder,
     beside: Sidecar,
     format: RasterFormat,
     request: Request<'_>,
@@ -249,7 +266,23 @@ fn decode_within(
     let decoded = (native + texel).max(last);
     request.budget.check(format.name(), size, decoded.max(beside.pixel_bytes + native))?;
     request.budget.check_bytes(size, size[0] * size[1] * (beside.pixel_bytes + native) + beside.bytes)?;
-    DynamicImage::from_decoder(decoder).map_err(|error| Error::corrupt(format.name(), describe(&error)))
+    let broken = |error: image::ImageError| Error::corrupt(format.name(), describe(&error));
+    // A broken tag means nothing.
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let profile = match request.is_color {
+        true => decoder.icc_profile().ok().flatten().and_then(|bytes| icc::Conversion::of_profile(&bytes)),
+        false => None,
+    };
+    let mut image = DynamicImage::from_decoder(decoder).map_err(broken)?;
+    if let Some(conversion) = profile.or(request.space) {
+        conversion.apply(&mut image);
+    }
+    if orientation != Orientation::NoTransforms {
+        // Sides may change places, for which the pixels are there twice.
+        request.budget.check(format.name(), size, 2 * native)?;
+        image.apply_orientation(orientation);
+    }
+    Ok(image)
 }
 
 /// Whether a channel has more than eight bits.
@@ -311,6 +344,20 @@ fn texels_of(image: DynamicImage, meaning: Meaning) -> Result<Texels, Error> {
         }
     };
     Ok(Texels { width, height, data })
+}
+
+/// Colours of 16 bits as linear numbers of 16 bits: off by 1/131070 at most, where a float would take twice
+/// the memory.
+fn colors_of(image: DynamicImage) -> Result<Texels, Error> {
+    let (width, height) = (image.width(), image.height());
+    let numbers = bytemuck::try_cast_vec::<u16, [u16; 4]>(image.into_rgba16().into_raw());
+    let mut texels = numbers.map_err(|_| incomplete())?;
+    for [r, g, b, _] in &mut texels {
+        for channel in [r, g, b] {
+            *channel = (srgb::decode_u16(*channel) * 65535.0 + 0.5) as u16;
+        }
+    }
+    Ok(Texels { width, height, data: TexelData::Linear16(texels) })
 }
 
 /// Values of measures, with the bits that they have.

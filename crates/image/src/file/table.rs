@@ -12,7 +12,7 @@ use super::{exr, hdr, pfm, png, raster, tiff};
 use crate::Error;
 
 impl PictureFormat {
-    /// 8 bits, sRGB, for screens.
+    /// 8 or 16 bits, sRGB, for screens.
     pub const PNG: &'static Self = &png::FORMAT;
     /// Linear, all layers.
     pub const EXR: &'static Self = &exr::FORMAT;
@@ -116,7 +116,7 @@ mod tests {
                 assert_eq!(PictureFormat::from_path(Path::new(&path)).ok(), Some(format), "format of {path}");
             }
         }
-        for path in ["picture", "picture.", "picture.jpg", ".png", "png"] {
+        for path in ["picture", "picture.", "picture.tga", ".png", "png"] {
             let error = PictureFormat::from_path(Path::new(path)).expect_err("the name says no known format");
             assert!(
                 error.to_string().contains(".png, .exr, .hdr, .pfm"),

@@ -7,11 +7,12 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use gnurt_image::Weigh;
-use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled};
-use gnurt_scene::{Material, Surface, TextureId};
-use gnurt_shading::SurfaceShader;
+use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled, TextureRef};
+use gnurt_scene::texture::TexcoordSet;
+use gnurt_scene::{Material, Surface, TEXCOORD_1, TextureId};
 use gnurt_shading::bsdf::{Film, Principled as Bsdf};
 use gnurt_shading::materials as shading;
+use gnurt_shading::{AttributeRequest, SurfaceShader};
 
 use super::table::ShaderTable;
 use super::textures::Reading;
@@ -36,10 +37,20 @@ pub(super) fn shader(
         texture: from.sampler(&bump.texture, Weigh::Alike),
         height: bump.height,
     });
-    if emission.is_none() && coverage.is_none() && bump.is_none() {
+    let attributes = second_texcoords(material);
+    if emission.is_none() && coverage.is_none() && bump.is_none() && attributes.is_empty() {
         return surface;
     }
-    Arc::new(shading::Material { surface, emission, coverage, bump })
+    Arc::new(shading::Material { surface, emission, coverage, bump, attributes })
+}
+
+/// The request for the second texture coordinates, if a texture reads them: readers expect it as the first.
+fn second_texcoords(material: &Material) -> Vec<AttributeRequest> {
+    let reads_them = material.textures().any(|(texture, _)| texture.set == TexcoordSet::Second);
+    let request = || AttributeRequest { name: TEXCOORD_1.to_owned(), components: 2, default: vec![0.0; 2] };
+    // A shader of its own has requests of its own.
+    let is_ours = !matches!(material.surface, Surface::Shader(_));
+    (reads_them && is_ours).then(request).into_iter().collect()
 }
 
 fn surface(from: Reading, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn SurfaceShader> {
@@ -100,8 +111,45 @@ fn index(ior: f32) -> f32 {
     if ior > 0.0 && ior.is_finite() { ior } else { 1.0 }
 }
 
+/// The textures of the layers of a surface, if it has any.
+fn layer_textures(
+    reading: Reading,
+    from: &Principled,
+    specular_base: Vec3,
+) -> Option<Box<shading::LayerTextures>> {
+    let maps = &from.layer_textures;
+    if maps.is_empty() {
+        return None;
+    }
+    let sampler = |map: Option<TextureRef>| map.as_ref().map(|map| reading.sampler(map, Weigh::Alike));
+    let channel = |map: Option<TextureRef>, channel: usize| {
+        sampler(map).map(|texture| shading::Channel { texture, channel })
+    };
+    Some(Box::new(shading::LayerTextures {
+        specular: channel(maps.specular, 3),
+        specular_color: sampler(maps.specular_color),
+        specular_base,
+        coat: channel(maps.clearcoat, 0),
+        coat_roughness: channel(maps.clearcoat_roughness, 1),
+        coat_normals: maps.clearcoat_normal.as_ref().map(|map| shading::NormalMap {
+            texture: reading.sampler(map, Weigh::Directions),
+            scale: maps.clearcoat_normal_scale,
+        }),
+        sheen_color: sampler(maps.sheen_color),
+        sheen_roughness: channel(maps.sheen_roughness, 3),
+        transmission: channel(maps.transmission, 0),
+        film: channel(maps.iridescence, 0),
+        film_thickness: channel(maps.iridescence_thickness, 1)
+            .map(|channel| (channel, from.iridescence.least_thickness)),
+        translucence: channel(maps.diffuse_transmission, 3),
+        beyond: sampler(maps.diffuse_transmission_color),
+    }))
+}
+
 fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::MetallicRoughness {
     let plain = Bsdf::new(Vec3::ONE, from.metallic, from.roughness, ior);
+    let specular = from.specular.clamp(0.0, 1.0);
+    let specular_base = (plain.f0 * Vec3::from(from.specular_color)).max(Vec3::ZERO);
     shading::MetallicRoughness {
         base_color: color(reading, &from.base_color),
         metallic: from.metallic,
@@ -116,8 +164,8 @@ fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::Metalli
             scale: map.scale,
         }),
         model: Bsdf {
-            f0: (plain.f0 * Vec3::from(from.specular_color) * from.specular).clamp(Vec3::ZERO, Vec3::ONE),
-            f90: from.specular.clamp(0.0, 1.0),
+            f0: specular_base.min(Vec3::ONE) * specular,
+            f90: specular,
             coat: from.clearcoat.clamp(0.0, 1.0),
             coat_alpha: from.clearcoat_roughness * from.clearcoat_roughness,
             sheen: Vec3::from(from.sheen_color).clamp(Vec3::ZERO, Vec3::ONE),
@@ -140,6 +188,7 @@ fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::Metalli
             texture: from.anisotropy.texture.as_ref().map(|t| reading.sampler(t, Weigh::Alike)),
         },
         absorption: Vec3::from(from.interior.absorption()),
+        layers: layer_textures(reading, from, specular_base),
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 use gnurt_image::{Texels, Weigh};
 use gnurt_scene::material::TextureRef;
-use gnurt_scene::texture::{Filter, Wrap};
+use gnurt_scene::texture::{Filter, TexcoordSet, Wrap};
 use gnurt_scene::{Scene, TextureId};
 use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::{TextureSampler, Wrap as SamplerWrap};
@@ -60,6 +60,7 @@ pub(super) fn sharp(scene: &Scene, reference: &TextureRef) -> TextureSampler {
         }),
         linear: texture.filter == Filter::Linear,
         uv_from_mesh: reference.uv_from_mesh,
+        attribute: (reference.set == TexcoordSet::Second).then_some(0),
     }
 }
 

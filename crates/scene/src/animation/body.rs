@@ -76,6 +76,18 @@ impl Deltas {
         self.values.is_empty()
     }
 
+    /// One for each of `count` vertices.
+    #[must_use]
+    pub fn to_vec(&self, count: usize) -> Vec<[f32; 3]> {
+        let mut all = vec![[0.0; 3]; count];
+        self.each(|vertex, value| {
+            if let Some(to) = all.get_mut(vertex) {
+                *to = value;
+            }
+        });
+        all
+    }
+
     /// Only for the vertices in `retained`, ascending.
     #[must_use]
     pub(crate) fn keep(&self, retained: &[u32]) -> Self {

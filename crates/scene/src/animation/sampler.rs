@@ -113,6 +113,12 @@ impl Sampler {
         &self.times
     }
 
+    /// The values of all keys, with tangents.
+    #[must_use]
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
     /// How values go from key to key.
     #[must_use]
     pub fn interpolation(&self) -> Interpolation {

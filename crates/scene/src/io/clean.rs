@@ -52,7 +52,7 @@ fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool
 }
 
 /// Replaces values with a component that is not finite; returns their number.
-fn replace_bad<const N: usize>(values: &mut [[f32; N]], by: [f32; N]) -> u64 {
+pub(crate) fn replace_bad<const N: usize>(values: &mut [[f32; N]], by: [f32; N]) -> u64 {
     let mut replaced = 0;
     for value in values.iter_mut().filter(|v| !v.iter().all(|x| x.is_finite())) {
         *value = by;

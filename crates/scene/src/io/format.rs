@@ -30,6 +30,8 @@ pub struct Format {
     pub read: Option<ReadScene>,
     /// Whether all of the format is read: the list of formats calls it *partly* read otherwise.
     pub read_whole: bool,
+    /// Whether it defines, or its files say, which axis points upwards.
+    pub says_up: bool,
     /// Its writer, if there is one.
     pub write: Option<SceneWriter>,
 }
@@ -46,6 +48,8 @@ pub struct SceneWriter {
     pub companions: fn(&Scene, &Path) -> Vec<PathBuf>,
     /// Whether the format has materials.
     pub has_materials: bool,
+    /// Whether the format has animations.
+    pub has_animations: bool,
     /// Whether it has all of a scene: the list of formats calls it *partly* written otherwise.
     pub is_whole: bool,
 }
@@ -127,6 +131,10 @@ impl Formats {
         let access = Access::new(options)?;
         let read = self.of(path).and_then(|format| {
             let problem = || format!("{} files are written, not read", format.name);
+            if format.says_up && options.up.is_some() {
+                let problem = format!("{} says itself which axis points upwards", format.name);
+                return Err(Error::data(path, None, problem, "leave out the axis, `--up`"));
+            }
             format.read.ok_or_else(|| unknown(path, problem(), &self.read_extensions()))
         });
         let mut loaded = match read {
@@ -134,8 +142,14 @@ impl Formats {
             // The message that the file is missing is more helpful.
             Err(unknown) => Err(source::open(path).err().unwrap_or(unknown)),
         }?;
+        if let Some(up) = options.up {
+            up.turn(&mut loaded.scene);
+        }
         if loaded.scene.meshes().iter().all(|mesh| mesh.indices.is_empty()) {
             loaded.warnings.note(Oddity::EmptyScene, path, None, "");
+        }
+        if let Some(first) = loaded.warnings.iter().next().filter(|_| options.strict) {
+            return Err(first.as_error(loaded.warnings.iter().count()));
         }
         Ok(loaded)
     }
@@ -174,7 +188,7 @@ impl Formats {
             Error::data(path, None, e.to_string(), "the scene must be in order to be written")
         })?;
         let mut warnings = Warnings::default();
-        let clips = scene.animation().map_or(0, |animation| animation.clips.len());
+        let clips = scene.animation().filter(|_| !writer.has_animations).map_or(0, |all| all.clips.len());
         warnings.note_many(Oddity::NotShown, clips as u64, path, None, "animation, written as it is shown");
         losses::of_scene(scene, path, &mut warnings);
         if writer.has_materials {

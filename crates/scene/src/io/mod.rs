@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Scene files: the table of formats, and the readers and writers of OBJ with MTL, PLY and glTF 2.0.
+//! Scene files: the table of formats, and the readers and writers of OBJ with MTL, PLY, glTF 2.0, STL and 3MF.
 //! See docs/reference/cli.md. Other crates read other formats by the parts in [`reader`].
 //! No file makes a program panic, hang, or take memory out of proportion to the file's length.
 //! Tests: `tests/{broken_files,mutations,benchmark_scenes}.rs`.
@@ -17,7 +17,9 @@ mod polygon;
 pub mod reader;
 mod save;
 mod source;
+mod stl;
 mod textures;
+mod threemf;
 mod warnings;
 pub mod writer;
 
@@ -26,13 +28,14 @@ use std::path::Path;
 pub use error::{Error, ErrorKind};
 pub use format::{BUILTIN_PREFIX, Format, Formats, ReadScene, SceneWriter};
 pub use loaded::Loaded;
-pub use options::{LoadOptions, VariantChoice};
+pub use options::{LoadOptions, UpAxis, VariantChoice};
 pub use warnings::{Oddity, Warning, Warnings};
 
 use crate::scene::Scene;
 
 /// The formats of this crate. A program that reads the formats of other crates too has a table with them.
-pub const FORMATS: Formats = Formats::new(&[&obj::FORMAT, &ply::FORMAT, &gltf::TEXT, &gltf::BINARY]);
+pub const FORMATS: Formats =
+    Formats::new(&[&obj::FORMAT, &ply::FORMAT, &gltf::TEXT, &gltf::BINARY, &stl::FORMAT, &threemf::FORMAT]);
 
 /// Loads a file of one of this crate's formats.
 ///

@@ -5,6 +5,10 @@ use std::path::PathBuf;
 
 use gnurt_image::TileCache;
 
+use crate::affine::Affine;
+use crate::id::InstanceId;
+use crate::scene::Scene;
+
 /// Permissions and limits of a scene while it is loaded.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
@@ -19,14 +23,46 @@ pub struct LoadOptions {
     pub variants: Vec<VariantChoice>,
     /// How often subdivision surfaces are refined; `None` = [`subdivision::LEVEL`](crate::subdivision::LEVEL).
     pub subdivision: Option<u32>,
+    /// Whether the first warning is an error.
+    pub strict: bool,
+    /// The axis that points upwards in files of formats that do not say (OBJ, PLY, STL); `None` = y.
+    pub up: Option<UpAxis>,
+}
+
+/// The axis of a file that points upwards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UpAxis {
+    /// X.
+    X,
+    /// Y, as here.
+    Y,
+    /// Z.
+    Z,
+}
+
+impl UpAxis {
+    /// Turns the instances of a scene without cameras and lights, so that the axis becomes y.
+    pub(super) fn turn(self, scene: &mut Scene) {
+        let axes = match self {
+            Self::Y => return,
+            Self::Z => [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
+            Self::X => [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+        };
+        let [x, y, z] = axes;
+        let world_from_file = Affine { columns: [x, y, z, [0.0; 3]] };
+        for id in (0..scene.instances().len() as u32).map(InstanceId) {
+            let instance = scene.edit_instance(id);
+            instance.world_from_object = world_from_file * instance.world_from_object;
+        }
+    }
 }
 
 /// One variant of a set of variants, by names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VariantChoice {
-    /// The path of what has the set: `/World/Chair`.
+    /// The path of what has the set: `/World/Chair`; empty where the variants are the whole file's (glTF).
     pub prim: String,
-    /// The set.
+    /// The set; empty where the file has one.
     pub set: String,
     /// The variant.
     pub variant: String,

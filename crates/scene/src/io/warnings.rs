@@ -7,7 +7,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::error::printable;
+use super::error::{Error, printable};
 
 /// Lines of one kind. Further ones are counted in one more line.
 const MOST_LINES: usize = 20;
@@ -43,8 +43,6 @@ pub enum Oddity {
     BadMaterialLine,
     /// Names of materials that no library defines.
     UnknownMaterial,
-    /// Required extensions that are unsupported.
-    UnknownExtension,
     /// Features of the format that are not shown.
     NotShown,
     /// Meshes whose faces, points or indices do not fit together.
@@ -112,7 +110,6 @@ impl Oddity {
             Self::BadMaterialLibrary => "material library cannot be read, default materials are used",
             Self::BadMaterialLine => "material line cannot be understood, ignored",
             Self::UnknownMaterial => "unknown material, the default material is used",
-            Self::UnknownExtension => "required extension is unknown, shown without it",
             Self::NotShown => "not supported, left out",
             Self::BadMesh => "mesh cannot be shown, left out",
             Self::BadComposition => "composition without a part that cannot be read",
@@ -160,6 +157,16 @@ impl fmt::Display for Warning {
             write!(f, " [{} in all]", self.count)?;
         }
         Ok(())
+    }
+}
+
+impl Warning {
+    /// The warning as an error, the first of `count`.
+    pub(super) fn as_error(&self, count: usize) -> Error {
+        let detail = if self.detail.is_empty() { String::new() } else { format!(" ({})", self.detail) };
+        let others = if count > 1 { format!("; {count} warnings in all") } else { String::new() };
+        let remedy = format!("warnings are errors{others}");
+        Error::data(&self.path, self.line, format!("{}{detail}", self.oddity.sentence()), remedy)
     }
 }
 

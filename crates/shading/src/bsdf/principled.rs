@@ -33,6 +33,8 @@ pub struct Principled {
     pub coat: f32,
     /// Width of the slopes of the coat's microfacets, in (0, 1].
     pub coat_alpha: f32,
+    /// Unit normal of the coat; zero = that of its point.
+    pub coat_normal: Vec3,
     /// Colour of the sheen, in [0, 1]; black = none.
     pub sheen: Vec3,
     /// glTF's roughness of the sheen, in [0, 1].
@@ -71,6 +73,7 @@ impl Principled {
             f90: 1.0,
             coat: 0.0,
             coat_alpha: 0.0,
+            coat_normal: Vec3::ZERO,
             sheen: Vec3::ZERO,
             sheen_roughness: 0.0,
             transmission: 0.0,
@@ -111,7 +114,8 @@ impl Principled {
         let [plastic, metal, glass] = [rest * (1.0 - p.transmission), p.metallic, rest * p.transmission];
         let mut above = 0;
         if p.coat > 0.0 {
-            let coat = Lobe { weight: Vec3::splat(p.coat), cover: p.coat, ..Lobe::coat(p.coat_alpha) };
+            let (weight, normal) = (Vec3::splat(p.coat), p.coat_normal);
+            let coat = Lobe { weight, normal, cover: p.coat, ..Lobe::coat(p.coat_alpha) };
             above = lobes.put(coat, 0);
         }
         if p.sheen != Vec3::ZERO {

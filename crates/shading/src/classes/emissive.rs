@@ -26,6 +26,12 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
     make: |values| {
         let emission = Emission { factor: values.vec3(0), texture: values.texture(1).as_deref().cloned() };
         let surface = Arc::new(Matte { albedo: TexturedColor::constant(values.vec3(2)) });
-        Shader::Surface(Arc::new(Material { surface, emission: Some(emission), coverage: None, bump: None }))
+        Shader::Surface(Arc::new(Material {
+            surface,
+            emission: Some(emission),
+            coverage: None,
+            bump: None,
+            attributes: Vec::new(),
+        }))
     },
 };

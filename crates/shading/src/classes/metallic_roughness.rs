@@ -93,6 +93,7 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
                 texture: values.texture(15).as_deref().cloned(),
             },
             absorption,
+            layers: None,
         }))
     },
 };

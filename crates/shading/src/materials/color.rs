@@ -107,7 +107,7 @@ impl Coverage {
     #[must_use]
     pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> f32 {
         self.of(hits.alpha[i], |texture| match self.cutoff {
-            Some(_) => texture.sample(hits.uv(i)),
+            Some(_) => texture.sample(texture.uv(hits, i)),
             None => texture.at_hit(hits, i),
         })
     }

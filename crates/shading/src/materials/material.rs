@@ -25,6 +25,8 @@ pub struct Material {
     pub coverage: Option<Coverage>,
     /// The map that bends its normals.
     pub bump: Option<BumpMap>,
+    /// The attributes that its textures read; empty = those of the surface.
+    pub attributes: Vec<AttributeRequest>,
 }
 
 impl Material {
@@ -111,7 +113,7 @@ impl SurfaceShader for Material {
     }
 
     fn attributes(&self) -> &[AttributeRequest] {
-        self.surface.attributes()
+        if self.attributes.is_empty() { self.surface.attributes() } else { &self.attributes }
     }
 }
 

@@ -12,6 +12,7 @@ use crate::bsdf::{ClosureBatch, Lobes, Medium, Principled, fresnel};
 use crate::materials::SMOOTH;
 use crate::materials::color::TexturedColor;
 use crate::materials::dielectric::inside;
+use crate::materials::layer_textures::LayerTextures;
 use crate::sampling::Basis;
 use crate::shader::{SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
@@ -37,6 +38,8 @@ pub struct MetallicRoughness {
     pub anisotropy: Anisotropy,
     /// Absorption coefficient within solid glass, 1 over world units, >= 0.
     pub absorption: Vec3,
+    /// Textures of its layers.
+    pub layers: Option<Box<LayerTextures>>,
 }
 
 /// Anisotropy of microfacets: rougher along one direction than across it.
@@ -112,10 +115,20 @@ fn rougher(roughness: f32, slopes: f32) -> f32 {
 impl MetallicRoughness {
     /// Shading normal on the side that the ray came from, and the square of slopes that are too fine to be
     /// seen.
-    fn normal(&self, hits: &SurfaceBatch, i: usize) -> (Vec3, f32) {
+    fn normal(map: Option<&NormalMap>, hits: &SurfaceBatch, i: usize) -> (Vec3, f32) {
         let own = || (hits.scattering_ns(i), 0.0);
-        let (ns, slopes) = self.normal_map.as_ref().map_or_else(own, |map| map.at_hit(hits, i));
+        let (ns, slopes) = map.map_or_else(own, |map| map.at_hit(hits, i));
         (if ns.dot(hits.facing_ng(i)) < 0.0 { -ns } else { ns }, slopes)
+    }
+
+    /// Normal and slopes of the coat, which has a map of its own: without one it is smooth above the body's.
+    fn coat_normal(&self, hits: &SurfaceBatch, i: usize) -> Option<(Vec3, f32)> {
+        let map = self.layers.as_ref().and_then(|layers| layers.coat_normals.as_ref());
+        if self.model.coat == 0.0 || (map.is_none() && self.normal_map.is_none()) {
+            return None;
+        }
+        let (normal, slopes) = Self::normal(map, hits, i);
+        Some((hits.point(i).bent_normal(normal, -hits.ray_dir.get(i)), slopes))
     }
 }
 
@@ -168,15 +181,24 @@ impl SurfaceShader for MetallicRoughness {
         let mut made = None;
         for i in 0..hits.len() {
             let texel = self.metallic_roughness_texture.as_ref().map_or([1.0; 4], |t| t.at_hit(hits, i));
-            let (normal, slopes) = self.normal(hits, i);
+            let (normal, slopes) = Self::normal(self.normal_map.as_ref(), hits, i);
             let roughness = rougher((self.roughness * texel[1]).clamp(0.0, 1.0), slopes);
             let metallic = (self.metallic * texel[2]).clamp(0.0, 1.0);
             let base = self.base_color.at_hit(hits, i);
             let ns = hits.point(i).bent_normal(normal, -hits.ray_dir.get(i));
             let front = hits.front(i);
             let is_brushed = self.anisotropy.strength > 0.0;
-            if is_brushed || made != Some((base, metallic, roughness, front)) {
+            let coat = self.coat_normal(hits, i);
+            let is_own = is_brushed || coat.is_some() || self.layers.is_some();
+            if is_own || made != Some((base, metallic, roughness, front)) {
                 let mut model = self.model(base, metallic, roughness, front);
+                if let Some(layers) = &self.layers {
+                    layers.apply(hits, i, &mut model);
+                }
+                if let Some((normal, slopes)) = coat {
+                    model.coat_normal = normal;
+                    model.coat_alpha = rougher(model.coat_alpha.sqrt(), slopes).powi(2);
+                }
                 if is_brushed {
                     self.brush(hits, i, ns, &mut model);
                 }
@@ -202,7 +224,8 @@ impl SurfaceShader for MetallicRoughness {
             // Straight on, as if the glass were thin: see `dielectric.rs`.
             let cos = hits.ray_dir.get(i).dot(hits.facing_ng(i)).abs();
             let share = fresnel::dielectric(cos, (1.0 / self.ior).min(self.ior));
-            let glass = self.model.transmission * (1.0 - self.metallic);
+            let there = self.layers.as_ref().map_or(1.0, |layers| layers.transmission(hits, i));
+            let glass = self.model.transmission * there * (1.0 - self.metallic);
             let left = inside(hits, i, if self.has_inside() { self.absorption } else { Vec3::ZERO });
             out.set(i, self.base_color.at_hit(hits, i) * left * (glass * (1.0 - share)));
         }

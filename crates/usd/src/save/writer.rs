@@ -3,7 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use gnurt_scene::io::writer::{check_writable, encode_texture, leave_out, measures, write};
+use gnurt_scene::io::writer::{
+    check_writable, encode_texture, leave_out, measures, of_layer_textures, of_texcoords, write,
+};
 use gnurt_scene::io::{Error, SceneWriter, Warnings};
 use gnurt_scene::texture::TexelData;
 use gnurt_scene::{Light, Scene, TextureId};
@@ -12,8 +14,13 @@ use super::text::Text;
 use super::{binary, lights, materials, prims};
 
 /// The writer.
-pub(crate) const WRITER: SceneWriter =
-    SceneWriter { save, companions: texture_files, has_materials: true, is_whole: false };
+pub(crate) const WRITER: SceneWriter = SceneWriter {
+    save,
+    companions: texture_files,
+    has_materials: true,
+    has_animations: false,
+    is_whole: false,
+};
 
 fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -52,6 +59,8 @@ fn leave_out_rest(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let backdrops = scene.lights().iter().filter(|light| matches!(light, Light::Backdrop { .. })).count();
     leave_out(backdrops, "backdrop", path, warnings);
     materials::leave_out_layers(scene, path, warnings);
+    of_layer_textures(scene, path, warnings);
+    of_texcoords(scene, path, warnings);
 }
 
 /// The files of textures.

@@ -3,7 +3,7 @@
 //! docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
 
 use gnurt::denoise::Method;
-use gnurt::image::ToneCurve;
+use gnurt::image::{ExrCompression, ToneCurve};
 use gnurt::render::ReconstructionFilter;
 use gnurt_view::TevAddress;
 
@@ -56,6 +56,22 @@ pub(crate) fn denoiser(name: &str) -> Result<DenoiserChoice, String> {
 /// A reconstruction filter's name.
 pub(crate) fn filter(name: &str) -> Result<ReconstructionFilter, String> {
     by_name("filter", name, &ReconstructionFilter::ALL[..])
+}
+
+/// 8, 16 or 32.
+pub(crate) fn bits(text: &str) -> Result<u8, String> {
+    text.parse().ok().filter(|bits| [8, 16, 32].contains(bits)).ok_or_else(|| "expected 8, 16 or 32".into())
+}
+
+/// The name of a compression of EXR.
+pub(crate) fn compression(name: &str) -> Result<ExrCompression, String> {
+    by_name("compression", name, &ExrCompression::ALL)
+}
+
+/// From 1 to 100.
+pub(crate) fn quality(text: &str) -> Result<u8, String> {
+    let quality = text.parse().ok().filter(|quality| (1..=100).contains(quality));
+    quality.ok_or_else(|| "expected a whole number from 1 to 100".into())
 }
 
 /// A tone curve's name.

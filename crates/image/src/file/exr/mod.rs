@@ -18,5 +18,5 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     is_whole: true,
     signature: Signature::Head(|head| head.starts_with(&[0x76, 0x2f, 0x31, 0x01])),
     read: Readers { picture: read::decode, texels: None, stored: Some(read::stored) },
-    write: Some(|picture, options| write::encode(picture, options.exr_pixels)),
+    write: Some(write::encode),
 };

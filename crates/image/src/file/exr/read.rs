@@ -2,20 +2,21 @@
 //! Reading an EXR: the picture's colour is the unnamed R, G, B (or Y), else the first group of channels that has them.
 //! A group is the part's name and the text before the last dot of a channel's name. All other channels become
 //! layers. The layer `background`, R, G, B and A, is the background and is added to the colour: a picture's
-//! colour is the visible sum. The picture is the display window; pixels missing from the data window are
+//! colour is the visible sum. Colours of other chromaticities become those of Rec. 709. The picture is the display window; pixels missing from the data window are
 //! black and transparent. Invariants: headers are checked before pixels are read; everything runs on the
 //! calling thread.
 //! Tests: `tests/{round_trip,broken}.rs`.
 
 use exr::block::reader::Reader;
 use exr::prelude::{
-    FlatImage, FlatSamples, IntegerBounds, LayerAttributes, ReadChannels, ReadLayers, Text,
+    FlatImage, FlatSamples, IntegerBounds, LayerAttributes, ReadChannels, ReadLayers, Text, Vec2,
     attribute::AttributeValue, read,
 };
 
 use super::super::guard::decode_guarded;
 use super::super::limits::{PICTURE_BYTES, check_density, check_size};
 use super::super::source::Source;
+use crate::chromaticities::{Chromaticities, REC709};
 use crate::{Budget, Channel, ChannelData, Error, Layer, Opacity, Picture, Stored, StoredValues};
 
 /// Most bytes that a byte of compressed data can become in any of the format's compressions: deflate's 1032.
@@ -158,8 +159,33 @@ struct Found {
     half: bool,
 }
 
+/// Brings each group of channels R, G and B to the primaries of Rec. 709; other channels hold no colours.
+fn to_rec709(found: &mut [Found], rows: &[[f32; 3]; 3]) {
+    let groups: Vec<String> = found.iter().filter(|c| c.name == "R").map(|c| c.group.clone()).collect();
+    for group in groups {
+        let at = |name: &str| found.iter().position(|c| c.group == group && c.name == name);
+        let [Some(r), Some(g), Some(b)] = ["R", "G", "B"].map(at) else { continue };
+        let floats = |data: &ChannelData| match data {
+            ChannelData::F32(values) => Some(values.clone()),
+            ChannelData::U32(_) => None,
+        };
+        let [Some(red), Some(green), Some(blue)] = [r, g, b].map(|i| floats(&found[i].data)) else {
+            continue;
+        };
+        for (i, row) in [r, g, b].into_iter().zip(rows) {
+            let all = red.iter().zip(&green).zip(&blue);
+            let mixed = all.map(|((r, g), b)| row[0] * r + row[1] * g + row[2] * b).collect();
+            found[i].data = ChannelData::F32(mixed);
+        }
+    }
+}
+
 fn picture(image: FlatImage) -> Result<Picture, Error> {
     let window = image.attributes.display_window;
+    let chromaticities = image.attributes.chromaticities.map(|c| {
+        let point = |v: Vec2<f32>| [v.0, v.1];
+        Chromaticities { primaries: [c.red, c.green, c.blue].map(point), white: point(c.white) }
+    });
     let mut found = Vec::new();
     let mut metadata = Vec::new();
     for part in image.layer_data {
@@ -176,6 +202,10 @@ fn picture(image: FlatImage) -> Result<Picture, Error> {
             let data = cropped(channel.sample_data, data_window, window)?;
             found.push(Found { group, name: name.to_string(), data, half });
         }
+    }
+    let rows = chromaticities.filter(|space| !space.is_near(&REC709)).and_then(|space| space.to(&REC709));
+    if let Some(rows) = rows {
+        to_rec709(&mut found, &rows);
     }
     let mut picture = Picture { metadata, opacity: Opacity::Associated, ..Picture::default() };
     (picture.width, picture.height) = (window.size.0 as u32, window.size.1 as u32);

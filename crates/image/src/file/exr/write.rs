@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Writing an EXR: one flat part with the colour as R, G, B, A and every layer's channels as `layer.channel`.
 //! Names as other renderers and viewers use them. R, G, B are the foreground, over nothing and associated
-//! with A [PD84]; the background is the layer `background`, to be added. ZIP compression in blocks of 16
-//! rows, only on the calling thread. Invariants: pixels are exact in the chosen precision; finite values stay
+//! with A [PD84]; the background is the layer `background`, to be added. Chromaticities are those of Rec. 709.
+//! Compression runs only on the calling thread. Invariants: pixels are exact in the chosen precision; finite values stay
 //! finite in half precision. Tests: `tests/round_trip.rs`.
 
 use std::collections::HashSet;
@@ -10,11 +10,13 @@ use std::io::Cursor;
 
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    LineOrder, Text, WritableImage, attribute::AttributeValue,
+    LineOrder, Text, Vec2, WritableImage,
+    attribute::{AttributeValue, Chromaticities},
 };
 use half::f16;
 
-use super::super::options::ExrPixels;
+use super::super::options::{ExrCompression, ExrPixels, WriteOptions};
+use crate::chromaticities::REC709;
 use crate::{BACKGROUND, Channel, ChannelData, Error, Picture};
 
 /// Names that the file format itself uses; metadata of these names gets a prefix.
@@ -42,18 +44,29 @@ const RESERVED_PREFIX: &str = "gnurt.";
 /// Longest name of an attribute or channel.
 const MAX_NAME: usize = 255;
 
-const ENCODING: Encoding = Encoding {
-    compression: Compression::ZIP16,
-    blocks: Blocks::ScanLines,
-    line_order: LineOrder::Increasing,
-};
+fn encoding(compression: ExrCompression) -> Encoding {
+    let compression = match compression {
+        ExrCompression::None => Compression::Uncompressed,
+        ExrCompression::Rle => Compression::RLE,
+        ExrCompression::Zips => Compression::ZIP1,
+        ExrCompression::Zip => Compression::ZIP16,
+        ExrCompression::Piz => Compression::PIZ,
+        ExrCompression::Pxr24 => Compression::PXR24,
+    };
+    Encoding { compression, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing }
+}
 
-pub(in crate::file) fn encode(picture: &Picture, pixels: ExrPixels) -> Result<Vec<u8>, Error> {
-    let channels = channels(picture, pixels)?;
+pub(in crate::file) fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+    let channels = channels(picture, options.exr_pixels)?;
     let size = (picture.width as usize, picture.height as usize);
+    let encoding = encoding(options.exr_compression);
     let layer =
-        Layer::new(size, attributes(picture), ENCODING, AnyChannels::sort(channels.into_iter().collect()));
-    let image = Image::from_layer(layer);
+        Layer::new(size, attributes(picture), encoding, AnyChannels::sort(channels.into_iter().collect()));
+    let mut image = Image::from_layer(layer);
+    let point = |[x, y]: [f32; 2]| Vec2(x, y);
+    let [red, green, blue] = REC709.primaries.map(point);
+    let white = point(REC709.white);
+    image.attributes.chromaticities = Some(Chromaticities { red, green, blue, white });
     let mut bytes = Cursor::new(Vec::new());
     let written = image.write().non_parallel().to_buffered(&mut bytes);
     written.map_err(|error| Error::Shape(format!("it does not fit an EXR: {error}")))?;

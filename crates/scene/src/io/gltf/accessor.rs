@@ -19,6 +19,7 @@ enum ComponentType {
     U16,
     U32,
     F32,
+    F64,
 }
 
 impl ComponentType {
@@ -30,6 +31,8 @@ impl ComponentType {
             5123 => Self::U16,
             5125 => Self::U32,
             5126 => Self::F32,
+            // KHR_accessor_float64.
+            5130 => Self::F64,
             _ => return None,
         })
     }
@@ -56,8 +59,24 @@ pub(super) fn floats<const N: usize>(
     Ok(values)
 }
 
+/// Reads an accessor of one unsigned integer each, and the largest number of its type, which ends strips
+/// and fans.
+pub(super) fn indices(
+    document: &Document<'_>,
+    index: Index,
+    location: &str,
+) -> Result<(Vec<u32>, u32), Error> {
+    let accessor: Accessor<'_> = document.get(&document.root.accessors, index, location, "accessor")?;
+    let largest = match ComponentType::of(accessor.component_type) {
+        Some(ComponentType::U8) => u8::MAX.into(),
+        Some(ComponentType::U16) => u16::MAX.into(),
+        _ => u32::MAX,
+    };
+    Ok((integers(document, index, location)?, largest))
+}
+
 /// Reads an accessor of one unsigned integer each.
-pub(super) fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<u32>, Error> {
+fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<u32>, Error> {
     let reader = Reader::new(document, index, location)?;
     let unsigned = matches!(reader.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
     if reader.components != 1 || !unsigned {
@@ -135,7 +154,8 @@ impl<'a> Reader<'a> {
             return Ok(());
         };
         let index_type = ComponentType::of(sparse.indices.component_type);
-        let Some(index_type) = index_type.filter(|t| !matches!(t, ComponentType::F32)) else {
+        let Some(index_type) = index_type.filter(|t| !matches!(t, ComponentType::F32 | ComponentType::F64))
+        else {
             return Err(self.document.error(self.location, "sparse indices of an unknown type", ""));
         };
         let count = usize::try_from(sparse.count).unwrap_or(usize::MAX);
@@ -200,6 +220,7 @@ fn size_of_component(component: ComponentType) -> usize {
         ComponentType::I8 | ComponentType::U8 => 1,
         ComponentType::I16 | ComponentType::U16 => 2,
         ComponentType::U32 | ComponentType::F32 => 4,
+        ComponentType::F64 => 8,
     }
 }
 
@@ -213,6 +234,10 @@ fn float(component: ComponentType, normalized: bool, bytes: &[u8]) -> f32 {
         ComponentType::U16 => scaled(u16::from_le_bytes([bytes[0], bytes[1]]).into(), 65535.0),
         ComponentType::U32 => u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as f32,
         ComponentType::F32 => f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+        ComponentType::F64 => {
+            let bits = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| bytes[k]);
+            f64::from_le_bytes(bits) as f32
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 //! Source: glTF 2.0 sections 3.6 and 3.12. Buffers: data URI, file in the document's folder, binary chunk.
 //! Invariant: a buffer has the length that it declares. Tests: `tests/gltf.rs`, `tests/broken_files.rs`.
 
-use std::collections::{HashMap, HashSet};
+use std::cell::OnceCell;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -13,6 +14,7 @@ use serde_json::value::RawValue;
 use super::base64::data_uri;
 use super::container::Container;
 use super::json::{self, Index, Root};
+use super::{meshopt, variants};
 use crate::io::error::quoted;
 use crate::io::source::{self, Access};
 use crate::io::{Error, Oddity, Warnings};
@@ -21,8 +23,12 @@ use gnurt_image::{Budget, Excess};
 /// Extensions that are shown, or whose absence is invisible.
 const KNOWN_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
+    "EXT_mesh_primitive_restart",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_accessor_float64",
     "KHR_animation_pointer",
+    "KHR_gaussian_splatting",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -31,20 +37,23 @@ const KNOWN_EXTENSIONS: &[&str] = &[
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_materials_volume_scatter",
+    "KHR_mesh_primitive_restart",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 
 /// Extensions without which there is nothing to be seen.
-const COMPRESSIONS: &[&str] =
-    &["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
+const COMPRESSIONS: &[&str] = &["KHR_draco_mesh_compression"];
 
 /// Extensions whose textures get a warning where a material reads one.
 const TOLD_WHERE_USED: &[&str] = &["EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
@@ -61,6 +70,11 @@ const UNSEEN: &[&str] = &[
     "KHR_physics_",
     "KHR_xmp",
 ];
+
+/// Whether an extension has no visible effect.
+fn is_unseen(name: &str) -> bool {
+    UNSEEN.iter().any(|start| name.starts_with(start))
+}
 
 /// The remedy for a compressed mesh.
 const DECOMPRESS: &str = "this program does not unpack it; write the file without compression";
@@ -93,7 +107,13 @@ pub(super) struct Document<'a> {
     pub(super) path: PathBuf,
     pub(super) root: Root<'a>,
     pub(super) access: &'a Access,
+    /// The number of the chosen variant.
+    pub(super) variant: Option<u32>,
+    /// Whether the largest number of a type of indices begins a new strip or fan.
+    pub(super) has_restarts: bool,
     buffers: Vec<Buffer<'a>>,
+    /// Compressed views that were read.
+    unpacked: HashMap<Index, OnceCell<Vec<u8>>>,
     /// The JSON; a binary file has no line numbers.
     json: &'a str,
     is_text: bool,
@@ -116,7 +136,10 @@ impl<'a> Document<'a> {
             path: path.to_owned(),
             root: Root::default(),
             access,
+            variant: None,
+            has_restarts: false,
             buffers: Vec::new(),
+            unpacked: HashMap::new(),
             json,
             is_text: container.binary.is_none(),
         };
@@ -127,6 +150,14 @@ impl<'a> Document<'a> {
         document.hold(pieces, "the document")?;
         if access.is_confined() {
             document.check_files()?;
+        }
+        let chosen = variants::chosen(&document.root, &access.variants);
+        document.variant = chosen.map_err(|(problem, remedy)| Error::data(path, None, problem, remedy))?;
+        document.has_restarts = ["KHR_mesh_primitive_restart", "EXT_mesh_primitive_restart"]
+            .iter()
+            .any(|name| document.uses(name));
+        if document.uses("EXT_meshopt_compression") || document.uses("KHR_meshopt_compression") {
+            document.find_compressed()?;
         }
         document.buffers = document.read_buffers(container.binary)?;
         Ok(document)
@@ -158,8 +189,9 @@ impl<'a> Document<'a> {
             if COMPRESSIONS.contains(&name) {
                 return Err(Error::data(&self.path, None, format!("{name} is required"), DECOMPRESS));
             }
-            if !KNOWN_EXTENSIONS.contains(&name) {
-                warnings.note(Oddity::UnknownExtension, &self.path, None, quoted(name));
+            if !KNOWN_EXTENSIONS.contains(&name) && !is_unseen(name) {
+                let problem = format!("the file requires the extension {}", quoted(name));
+                return Err(Error::data(&self.path, None, problem, "write the file without it"));
             }
         }
         self.warn_unknown(warnings);
@@ -168,15 +200,10 @@ impl<'a> Document<'a> {
 
     /// Warns about extensions that are used but not supported.
     fn warn_unknown(&self, warnings: &mut Warnings) {
-        // Those beyond get a second warning; the set stays small for any file.
-        const MOST_REQUIRED: usize = 1024;
-        let required = self.root.extensions_required.iter().take(MOST_REQUIRED);
-        let required: HashSet<&str> = required.map(|name| &**name).collect();
         for name in self.root.extensions_used.iter().map(|name| &**name) {
             let is_reported =
                 [KNOWN_EXTENSIONS, COMPRESSIONS, TOLD_WHERE_USED].iter().any(|list| list.contains(&name));
-            let is_unseen = UNSEEN.iter().any(|start| name.starts_with(start));
-            if !is_reported && !is_unseen && !required.contains(name) {
+            if !is_reported && !is_unseen(name) {
                 warnings.note(Oddity::NotShown, &self.path, None, format!("extension {}", quoted(name)));
             }
         }
@@ -261,19 +288,72 @@ impl<'a> Document<'a> {
     }
 
     /// A buffer view and its bytes.
-    pub(super) fn view(&self, index: Index, location: &str) -> Result<(json::BufferView, &[u8]), Error> {
-        let view: json::BufferView = self.get(&self.root.buffer_views, index, location, "bufferView")?;
-        let missing = || self.error(location, format!("buffer {} does not exist", view.buffer.0), "");
-        let buffer = self.buffers.get(view.buffer.value()).ok_or_else(missing)?;
-        let buffer = &buffer.bytes.all()[..buffer.length];
-        let start = usize::try_from(view.byte_offset).ok();
-        let end = view.byte_offset.checked_add(view.byte_length).and_then(|end| usize::try_from(end).ok());
-        let bytes = start.zip(end).and_then(|(start, end)| buffer.get(start..end));
-        let bytes = bytes.ok_or_else(|| {
-            let problem = format!("bufferView {} ends after its buffer's {} bytes", index.0, buffer.len());
-            self.error(location, problem, "the buffer may have been cut off")
-        })?;
+    pub(super) fn view(&self, index: Index, location: &str) -> Result<(json::BufferView<'a>, &[u8]), Error> {
+        let view: json::BufferView<'a> = self.get(&self.root.buffer_views, index, location, "bufferView")?;
+        let bytes = match view.extensions.meshopt().zip(self.unpacked.get(&index)) {
+            Some((compressed, unpacked)) => self.unpacked(index, compressed, unpacked, location)?,
+            None => self.part(index, (view.buffer, view.byte_offset, view.byte_length), location)?,
+        };
         Ok((view, bytes))
+    }
+
+    /// Bytes of a buffer from an offset on, for a buffer view.
+    fn part(
+        &self,
+        view: Index,
+        (buffer, offset, length): (Index, u64, u64),
+        location: &str,
+    ) -> Result<&[u8], Error> {
+        let missing = || self.error(location, format!("buffer {} does not exist", buffer.0), "");
+        let buffer = self.buffers.get(buffer.value()).ok_or_else(missing)?;
+        let buffer = &buffer.bytes.all()[..buffer.length];
+        let start = usize::try_from(offset).ok();
+        let end = offset.checked_add(length).and_then(|end| usize::try_from(end).ok());
+        let bytes = start.zip(end).and_then(|(start, end)| buffer.get(start..end));
+        bytes.ok_or_else(|| {
+            let problem = format!("bufferView {} ends after its buffer's {} bytes", view.0, buffer.len());
+            self.error(location, problem, "the buffer may have been cut off")
+        })
+    }
+
+    /// The bytes of a compressed view, which stay in memory.
+    fn unpacked<'b>(
+        &'b self,
+        index: Index,
+        from: &json::Meshopt<'_>,
+        to: &'b OnceCell<Vec<u8>>,
+        location: &str,
+    ) -> Result<&'b [u8], Error> {
+        if let Some(known) = to.get() {
+            return Ok(known);
+        }
+        let broken = |problem: String| {
+            let problem = format!("bufferView {}, compressed by meshoptimizer: {problem}", index.0);
+            self.error(location, problem, "write the file again")
+        };
+        let stream = self.part(index, (from.buffer, from.byte_offset, from.byte_length), location)?;
+        let length = meshopt::length(from).map_err(broken)?;
+        self.hold(length, location)?;
+        self.work(length, location)?;
+        let bytes = meshopt::decode(from, stream).map_err(broken)?;
+        Ok(to.get_or_init(|| bytes))
+    }
+
+    /// Finds the compressed views.
+    fn find_compressed(&mut self) -> Result<(), Error> {
+        for (i, piece) in self.root.buffer_views.iter().enumerate() {
+            let view: json::BufferView<'a> = self.read(piece, "bufferViews")?;
+            if view.extensions.meshopt().is_some() {
+                self.hold(2 * size_of::<(Index, OnceCell<Vec<u8>>)>(), "bufferViews")?;
+                self.unpacked.insert(Index(i as u32), OnceCell::new());
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the file uses an extension.
+    fn uses(&self, name: &str) -> bool {
+        self.root.extensions_used.iter().any(|used| **used == *name)
     }
 
     fn read_buffers(&self, binary: Option<&'a [u8]>) -> Result<Vec<Buffer<'a>>, Error> {
@@ -299,6 +379,8 @@ impl<'a> Document<'a> {
         let location = format!("buffers[{i}]");
         let bytes = match &buffer.uri {
             None if i == 0 => Bytes::InFile(binary.unwrap_or_default()),
+            // The buffer of the uncompressed form, which is not there.
+            None if !self.unpacked.is_empty() => return Ok(Buffer { bytes: Bytes::InFile(&[]), length: 0 }),
             None => Bytes::InFile(&[]),
             Some(uri) if uri.starts_with("data:") => {
                 self.hold(uri.len(), &location)?;

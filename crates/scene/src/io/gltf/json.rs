@@ -77,7 +77,8 @@ impl Root<'_> {
             &self.skins,
             &self.textures,
         ];
-        arrays.iter().map(|array| array.len()).sum::<usize>() + lights
+        let variants = self.extensions.variants.as_ref().map_or(0, |variants| variants.variants.len());
+        arrays.iter().map(|array| array.len()).sum::<usize>() + lights + 2 * variants
     }
 }
 
@@ -106,6 +107,22 @@ pub(super) struct Asset<'a> {
 pub(super) struct RootExtensions<'a> {
     #[serde(rename = "KHR_lights_punctual", borrow)]
     pub(super) lights: Option<Lights<'a>>,
+    #[serde(rename = "KHR_materials_variants", borrow)]
+    pub(super) variants: Option<Variants<'a>>,
+}
+
+/// The variants of KHR_materials_variants.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Variants<'a> {
+    #[serde(borrow)]
+    pub(super) variants: Vec<Variant<'a>>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Variant<'a> {
+    #[serde(borrow)]
+    pub(super) name: Text<'a>,
 }
 
 #[derive(Deserialize, Default)]
@@ -162,7 +179,7 @@ pub(super) struct Buffer<'a> {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct BufferView {
+pub(super) struct BufferView<'a> {
     pub(super) buffer: Index,
     #[serde(deserialize_with = "whole", default)]
     pub(super) byte_offset: u64,
@@ -170,6 +187,43 @@ pub(super) struct BufferView {
     pub(super) byte_length: u64,
     #[serde(deserialize_with = "whole", default)]
     pub(super) byte_stride: u64,
+    #[serde(default, borrow)]
+    pub(super) extensions: BufferViewExtensions<'a>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct BufferViewExtensions<'a> {
+    #[serde(rename = "EXT_meshopt_compression", borrow)]
+    ext: Option<Meshopt<'a>>,
+    #[serde(rename = "KHR_meshopt_compression", borrow)]
+    khr: Option<Meshopt<'a>>,
+}
+
+impl<'a> BufferViewExtensions<'a> {
+    /// How the view is compressed by meshoptimizer, if it is.
+    pub(super) fn meshopt(&self) -> Option<&Meshopt<'a>> {
+        self.khr.as_ref().or(self.ext.as_ref())
+    }
+}
+
+/// A compressed view.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Meshopt<'a> {
+    pub(super) buffer: Index,
+    #[serde(deserialize_with = "whole", default)]
+    pub(super) byte_offset: u64,
+    #[serde(deserialize_with = "whole")]
+    pub(super) byte_length: u64,
+    #[serde(deserialize_with = "whole")]
+    pub(super) byte_stride: u64,
+    #[serde(deserialize_with = "whole")]
+    pub(super) count: u64,
+    #[serde(borrow)]
+    pub(super) mode: Text<'a>,
+    #[serde(default, borrow)]
+    pub(super) filter: Option<Text<'a>>,
 }
 
 #[derive(Deserialize)]
@@ -417,6 +471,8 @@ pub(super) struct MaterialExtensions {
     pub(super) ior: Option<Ior>,
     #[serde(rename = "KHR_materials_iridescence")]
     pub(super) iridescence: Option<Iridescence>,
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub(super) specular_glossiness: Option<SpecularGlossiness>,
     #[serde(rename = "KHR_materials_sheen")]
     pub(super) sheen: Option<Sheen>,
     #[serde(rename = "KHR_materials_specular")]
@@ -475,6 +531,7 @@ extensions! {
         iridescence_factor: f32 = 0.0,
         iridescence_texture: Option<TextureInfo> = None,
         iridescence_ior: f32 = 1.3,
+        iridescence_thickness_minimum: f32 = 100.0,
         iridescence_thickness_maximum: f32 = 400.0,
         iridescence_thickness_texture: Option<TextureInfo> = None,
     }
@@ -489,6 +546,13 @@ extensions! {
         specular_texture: Option<TextureInfo> = None,
         specular_color_factor: [f32; 3] = [1.0; 3],
         specular_color_texture: Option<TextureInfo> = None,
+    }
+    SpecularGlossiness {
+        diffuse_factor: [f32; 4] = [1.0; 4],
+        diffuse_texture: Option<TextureInfo> = None,
+        specular_factor: [f32; 3] = [1.0; 3],
+        glossiness_factor: f32 = 1.0,
+        specular_glossiness_texture: Option<TextureInfo> = None,
     }
     Transmission {
         transmission_factor: f32 = 0.0,
@@ -565,6 +629,23 @@ pub(super) struct Target {
 pub(super) struct PrimitiveExtensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
     pub(super) draco: Option<IgnoredAny>,
+    #[serde(rename = "KHR_gaussian_splatting")]
+    pub(super) splats: Option<IgnoredAny>,
+    #[serde(rename = "KHR_materials_variants")]
+    pub(super) variants: Option<Mappings>,
+}
+
+/// The materials of a primitive by variants.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Mappings {
+    pub(super) mappings: Vec<Mapping>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Mapping {
+    pub(super) material: Index,
+    pub(super) variants: Vec<Index>,
 }
 
 /// The accessors of a primitive's vertices.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF materials and their textures.
 //! Source: glTF 2.0 section 3.9; KHR_materials_{anisotropy, clearcoat, diffuse_transmission, dispersion, emissive_strength,
-//! ior, iridescence, sheen, specular, transmission, unlit, volume, volume_scatter},
+//! ior, iridescence, pbrSpecularGlossiness, sheen, specular, transmission, unlit, volume, volume_scatter},
 //! KHR_texture_transform.
 //!
-//! Textures of these extensions are not shown, except those of the anisotropy; a warning names them.
-//! [`Factors`] defines how material numbers and textures combine.
+//! The texture of the thickness is not read: it bakes for rasterizers what rays measure. A material reads two
+//! sets of texture coordinates at most. [`Factors`] defines how material numbers and textures combine.
 //! Tests: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
 //! tangents_come_with_normal_maps}`.
 
@@ -16,24 +16,28 @@ use super::base64::data_uri;
 use super::document::Document;
 use super::json::{self, Index, TextureInfo, TextureTransform};
 use super::ranges::out_of_range;
+use super::specular_glossiness;
 use crate::animation::MovingMaterial;
 use crate::factors::{self, AlphaMode, Factors, MappedTexture};
 use crate::id::{MaterialId, TextureId};
 use crate::io::error::quoted;
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings, source};
+use crate::layer_textures::LayerTextures;
 use crate::material::{Material, Principled, Surface};
 use crate::scene::Scene;
 use crate::shader_file::ShaderFile;
-use crate::texture::{Filter, Texels, Texture, Wrap};
+use crate::texture::{Filter, TexcoordSet, Texels, Texture, Wrap};
 
 /// A material of the scene, and which texture coordinates of the mesh it reads.
 #[derive(Clone, Copy)]
 pub(super) struct AddedMaterial {
     pub(super) id: MaterialId,
     pub(super) texcoord_set: u32,
-    /// Whether something lies along the tangents of its meshes.
-    pub(super) has_tangents: bool,
+    /// A second set, for some of its textures.
+    pub(super) second_set: Option<u32>,
+    /// The coordinates along which the tangents of its meshes lie; `None` = nothing reads tangents.
+    pub(super) tangents: Option<TexcoordSet>,
 }
 
 /// Bytes of a material of the scene, without its name.
@@ -69,10 +73,19 @@ pub(super) fn add_all(
         };
         let is_driven = i < count && is_driven(Index(i as u32));
         document.hold(material.name.as_ref().map_or(0, String::len), &location)?;
+        let first = texcoord_set_of_light(&material);
         let mut converter =
-            Converter { document, scene, textures: &mut textures, warnings, texcoord_set: None };
+            Converter { document, scene, textures: &mut textures, warnings, sets: [first, None] };
         let factors = converter.factors(i, &material, is_driven);
-        let texcoord_set = converter.texcoord_set.unwrap_or(0);
+        let [texcoord_set, second_set] = converter.sets;
+        let texcoord_set = texcoord_set.unwrap_or(0);
+        if factors.base_texture.is_some_and(|base| base.set == TexcoordSet::Second)
+            && factors.alpha != AlphaMode::Opaque
+            && factors.emission_texture.is_some()
+        {
+            let detail = format!("{location}: opacity of a lamp under a second set of texture coordinates");
+            warnings.note(Oddity::StandIn, &document.path, None, detail);
+        }
         for wrong in out_of_range(&factors) {
             let detail = format!("{location}: {wrong}");
             warnings.note(Oddity::NumberOutOfRange, &document.path, None, detail);
@@ -82,14 +95,7 @@ pub(super) fn add_all(
             warnings.note(Oddity::NotShown, &document.path, None, detail);
         }
         let converted = factors.material();
-        let has_tangents = match &converted.surface {
-            _ if is_driven => factors.normal_texture.is_some() || factors.anisotropy > 0.0,
-            Surface::MetallicRoughness { normal_texture, .. } => normal_texture.is_some(),
-            Surface::Principled(principled) => {
-                principled.normal_texture.is_some() || principled.anisotropy.strength > 0.0
-            }
-            _ => false,
-        };
+        let tangents = tangents_of(&factors, &converted.surface, is_driven);
         let id = scene.add_material(converted);
         if material.extras_bytes() > 0 {
             document.hold(4 * material.extras_bytes(), &location)?;
@@ -101,7 +107,7 @@ pub(super) fn add_all(
             let confined_to = document.access.confined_to();
             scene.set_shader_file(id, ShaderFile { file, parameters, confined_to, ..ShaderFile::default() });
         }
-        materials.added.push(AddedMaterial { id, texcoord_set, has_tangents });
+        materials.added.push(AddedMaterial { id, texcoord_set, second_set, tangents });
         if is_driven {
             document.hold(size_of::<MovingMaterial>() + factors.name.len(), &location)?;
             materials.moving.push(MovingMaterial { material: id, factors });
@@ -110,13 +116,36 @@ pub(super) fn add_all(
     Ok(materials)
 }
 
+/// The set of texture coordinates that lists of lights read, if the material has a texture that decides it:
+/// that of the emission, or else that of the base colour.
+fn texcoord_set_of_light(material: &json::Material<'_>) -> Option<u32> {
+    let glossy = material.extensions.specular_glossiness.as_ref().and_then(|old| old.diffuse_texture);
+    let base = material.pbr_metallic_roughness.base_color_texture.or(glossy);
+    let info = material.emissive_texture.or(base)?;
+    Some(info.extensions.transform.and_then(|t| t.tex_coord).unwrap_or(info.tex_coord).0)
+}
+
+/// The coordinates whose directions the surface reads, if it reads any.
+fn tangents_of(factors: &Factors, surface: &Surface, is_driven: bool) -> Option<TexcoordSet> {
+    let (reads_normals, is_brushed) = match surface {
+        _ if is_driven => (true, factors.anisotropy > 0.0),
+        Surface::MetallicRoughness { .. } => (true, false),
+        Surface::Principled(principled) => (true, principled.anisotropy.strength > 0.0),
+        _ => (false, false),
+    };
+    let coat = factors.layer_textures.clearcoat_normal.filter(|_| factors.clearcoat > 0.0);
+    let normals = factors.normal_texture.or(coat).filter(|_| reads_normals);
+    let brushed = is_brushed.then(|| factors.anisotropy_texture.map_or(TexcoordSet::First, |map| map.set));
+    normals.map(|map| map.set).or(brushed)
+}
+
 struct Converter<'a, 't> {
     document: &'a Document<'a>,
     scene: &'a mut Scene,
     textures: &'a mut Textures<'t>,
     warnings: &'a mut Warnings,
-    /// Set of texture coordinates that the first texture reads.
-    texcoord_set: Option<u32>,
+    /// The file's numbers of the sets of texture coordinates that its textures read.
+    sets: [Option<u32>; 2],
 }
 
 impl Converter<'_, '_> {
@@ -141,6 +170,10 @@ impl Converter<'_, '_> {
             emission_texture: self.info(from.emissive_texture.as_ref(), Meaning::Color),
             ..Factors::default()
         };
+        if let Some(glossy) = &extensions.specular_glossiness {
+            specular_glossiness::set_factors(glossy, &mut to);
+            to.base_texture = self.info(glossy.diffuse_texture.as_ref(), Meaning::Color);
+        }
         if let Some(strength) = &extensions.emissive_strength {
             to.emission_strength = strength.emissive_strength;
         }
@@ -150,9 +183,15 @@ impl Converter<'_, '_> {
         if let Some(ior) = &extensions.ior {
             to.ior = ior.ior;
         }
-        self.layers(extensions, &mut to);
+        self.layers(extensions, &mut to, is_driven);
+        if let Some(glossy) = &extensions.specular_glossiness {
+            self.glossiness(glossy, &mut to);
+        }
         if is_driven || to.reads_roughness_textures(from.normal_texture.is_some()) {
-            to.metallic_roughness_texture = self.info(pbr.metallic_roughness_texture.as_ref(), Meaning::Data);
+            if extensions.specular_glossiness.is_none() {
+                let map = pbr.metallic_roughness_texture.as_ref();
+                to.metallic_roughness_texture = self.info(map, Meaning::Data);
+            }
             to.normal_texture = self.info(from.normal_texture.as_ref(), Meaning::Data);
             to.normal_scale = from.normal_texture.as_ref().map_or(1.0, |normal| normal.scale);
             let brushed = extensions.anisotropy.as_ref().filter(|_| is_driven || to.anisotropy > 0.0);
@@ -162,51 +201,55 @@ impl Converter<'_, '_> {
         to
     }
 
-    /// The extensions of a material.
-    fn layers(&mut self, extensions: &json::MaterialExtensions, to: &mut Factors) {
-        let mut textured = Vec::new();
+    /// The extensions of a material. Textures of layers that are not there are not read.
+    fn layers(&mut self, extensions: &json::MaterialExtensions, to: &mut Factors, is_driven: bool) {
+        let is_there = |share: f32| share > 0.0 || is_driven;
+        let mut maps = LayerTextures::default();
         if let Some(specular) = &extensions.specular {
             to.specular = specular.specular_factor;
             to.specular_color = specular.specular_color_factor;
-            if specular.specular_texture.is_some() || specular.specular_color_texture.is_some() {
-                textured.push("KHR_materials_specular");
+            if is_there(to.specular) {
+                maps.specular = self.info(specular.specular_texture.as_ref(), Meaning::Data);
+                maps.specular_color = self.info(specular.specular_color_texture.as_ref(), Meaning::Color);
             }
         }
         if let Some(transmission) = &extensions.transmission {
             to.transmission = transmission.transmission_factor;
-            if transmission.transmission_texture.is_some() {
-                textured.push("KHR_materials_transmission");
+            if is_there(to.transmission) {
+                maps.transmission = self.info(transmission.transmission_texture.as_ref(), Meaning::Data);
             }
         }
         if let Some(coat) = &extensions.clearcoat {
             to.clearcoat = coat.clearcoat_factor;
             to.clearcoat_roughness = coat.clearcoat_roughness_factor;
-            let textures =
-                [coat.clearcoat_texture, coat.clearcoat_roughness_texture, coat.clearcoat_normal_texture];
-            if textures.iter().any(Option::is_some) {
-                textured.push("KHR_materials_clearcoat");
+            if is_there(to.clearcoat) {
+                maps.clearcoat = self.info(coat.clearcoat_texture.as_ref(), Meaning::Data);
+                maps.clearcoat_roughness =
+                    self.info(coat.clearcoat_roughness_texture.as_ref(), Meaning::Data);
+                maps.clearcoat_normal = self.info(coat.clearcoat_normal_texture.as_ref(), Meaning::Data);
+                maps.clearcoat_normal_scale =
+                    coat.clearcoat_normal_texture.as_ref().map_or(1.0, |normal| normal.scale);
             }
         }
         if let Some(sheen) = &extensions.sheen {
             to.sheen_color = sheen.sheen_color_factor;
             to.sheen_roughness = sheen.sheen_roughness_factor;
-            if sheen.sheen_color_texture.is_some() || sheen.sheen_roughness_texture.is_some() {
-                textured.push("KHR_materials_sheen");
+            if is_there(to.sheen_color.into_iter().fold(0.0, f32::max)) {
+                maps.sheen_color = self.info(sheen.sheen_color_texture.as_ref(), Meaning::Color);
+                maps.sheen_roughness = self.info(sheen.sheen_roughness_texture.as_ref(), Meaning::Data);
             }
         }
         if let Some(volume) = &extensions.volume {
             to.thickness = volume.thickness_factor;
             to.attenuation_color = volume.attenuation_color;
             to.attenuation_distance = volume.attenuation_distance;
-            if volume.thickness_texture.is_some() {
-                textured.push("KHR_materials_volume");
-            }
         }
         if let Some(scatter) = &extensions.volume_scatter {
             to.scatter_color = scatter.multiscatter_color_factor.unwrap_or(scatter.multiscatter_color);
             to.scatter_anisotropy = scatter.scatter_anisotropy;
             if scatter.multiscatter_color_texture.is_some() {
-                textured.push("KHR_materials_volume_scatter");
+                let detail = "texture of KHR_materials_volume_scatter";
+                self.warnings.note(Oddity::NotShown, &self.document.path, None, detail);
             }
         }
         if let Some(dispersion) = &extensions.dispersion {
@@ -220,21 +263,41 @@ impl Converter<'_, '_> {
             to.iridescence = film.iridescence_factor;
             to.iridescence_ior = film.iridescence_ior;
             to.iridescence_thickness = film.iridescence_thickness_maximum;
-            if film.iridescence_texture.is_some() || film.iridescence_thickness_texture.is_some() {
-                textured.push("KHR_materials_iridescence");
+            to.iridescence_least_thickness = film.iridescence_thickness_minimum;
+            if is_there(to.iridescence) {
+                maps.iridescence = self.info(film.iridescence_texture.as_ref(), Meaning::Data);
+                maps.iridescence_thickness =
+                    self.info(film.iridescence_thickness_texture.as_ref(), Meaning::Data);
             }
         }
         if let Some(through) = &extensions.diffuse_transmission {
             to.diffuse_transmission = through.diffuse_transmission_factor;
             to.diffuse_transmission_color = through.diffuse_transmission_color_factor;
-            let textures =
-                [&through.diffuse_transmission_texture, &through.diffuse_transmission_color_texture];
-            if textures.into_iter().any(Option::is_some) {
-                textured.push("KHR_materials_diffuse_transmission");
+            if is_there(to.diffuse_transmission) {
+                maps.diffuse_transmission =
+                    self.info(through.diffuse_transmission_texture.as_ref(), Meaning::Data);
+                maps.diffuse_transmission_color =
+                    self.info(through.diffuse_transmission_color_texture.as_ref(), Meaning::Color);
             }
         }
-        for name in textured {
-            self.warnings.note(Oddity::NotShown, &self.document.path, None, format!("textures of {name}"));
+        to.layer_textures = maps;
+    }
+
+    /// The texture of specular colour and glossiness: colours of the reflection, and a roughness.
+    fn glossiness(&mut self, from: &json::SpecularGlossiness, to: &mut Factors) {
+        let Some(info) = &from.specular_glossiness_texture else { return };
+        to.layer_textures.specular_color = self.info(Some(info), Meaning::Color);
+        let rough = to.layer_textures.specular_color.map(|map| {
+            let texture = self.textures.roughness(info.index, from.glossiness_factor, self.scene);
+            texture.map(|texture| MappedTexture { texture, ..map })
+        });
+        match rough {
+            Some(Ok(map)) => (to.roughness, to.metallic_roughness_texture) = (1.0, Some(map)),
+            Some(Err(why)) => {
+                let detail = format!("textures[{}]: {why}", info.index.0);
+                self.warnings.note(Oddity::BadTexture, &self.document.path, None, detail);
+            }
+            None => {}
         }
     }
 
@@ -252,22 +315,23 @@ impl Converter<'_, '_> {
     ) -> Option<MappedTexture> {
         let Index(set) = transform.and_then(|t| t.tex_coord).unwrap_or(texcoord_set);
         let path = &self.document.path;
-        if *self.texcoord_set.get_or_insert(set) != set {
-            self.warnings.note(
-                Oddity::NotShown,
-                path,
-                None,
-                "second set of texture coordinates in one material",
-            );
+        let [first, second] = &mut self.sets;
+        let set = if *first.get_or_insert(set) == set {
+            TexcoordSet::First
+        } else if *second.get_or_insert(set) == set {
+            TexcoordSet::Second
+        } else {
+            let detail = "third set of texture coordinates in one material";
+            self.warnings.note(Oddity::NotShown, path, None, detail);
             return None;
-        }
+        };
         let transform = transform.map(|from| factors::TextureTransform {
             offset: from.offset,
             rotation: from.rotation,
             scale: from.scale,
         });
         match self.textures.add(index, meaning, self.scene) {
-            Ok(texture) => Some(MappedTexture { texture, transform }),
+            Ok(texture) => Some(MappedTexture { texture, transform, set }),
             Err(why) => {
                 self.warnings.note(Oddity::BadTexture, path, None, format!("textures[{}]: {why}", index.0));
                 None
@@ -298,6 +362,16 @@ impl<'a> Textures<'a> {
         let added = self.load(index, meaning).map(|texture| scene.add_texture(texture));
         self.added.insert(key, added.clone());
         added
+    }
+
+    /// The roughness of a texture with glossiness in its alpha, each time a texture of its own.
+    fn roughness(&mut self, index: Index, glossiness: f32, scene: &mut Scene) -> Result<TextureId, String> {
+        let glossy = self.load(index, Meaning::Data)?;
+        let bytes = specular_glossiness::roughness_bytes(&glossy.texels);
+        self.document.hold(bytes, "textures").map_err(|e| e.problem)?;
+        self.document.work(bytes, "textures").map_err(|e| e.problem)?;
+        let texels = specular_glossiness::roughness(&glossy.texels, glossiness);
+        Ok(scene.add_texture(Texture { texels, ..glossy }))
     }
 
     fn load(&mut self, index: Index, meaning: Meaning) -> Result<Texture, String> {

@@ -3,17 +3,19 @@
 //! Source: glTF 2.0 section 3.7. Triangles, strips and fans; points and lines are left out with a warning.
 //! Space: that of the mesh; v is flipped upwards. Tests: `tests/gltf.rs`.
 
-use super::accessor::{floats, integers};
+use super::accessor::{floats, indices};
 use super::document::Document;
 use super::json::{self, Index, Primitive};
 use super::material::AddedMaterial;
 use super::primitive::PrimitiveReader;
 use super::skin::{Bending, Parts};
+use super::variants::material_of;
 use crate::animation::reverse_mirrored;
-use crate::io::clean::{clean, clean_attributes};
+use crate::io::clean::{clean, clean_attributes, replace_bad};
 use crate::io::{Error, Oddity, Warnings};
-use crate::mesh::Mesh;
+use crate::mesh::{Attribute, Mesh, Rate, TEXCOORD_1};
 use crate::tangents;
+use crate::texture::TexcoordSet;
 
 /// Bytes of a mesh of the scene, without its arrays and its name.
 const MESH_BYTES: usize = 512;
@@ -80,6 +82,11 @@ impl PrimitiveReader<'_> {
             4 => Mode::Triangles,
             5 => Mode::Strip,
             6 => Mode::Fan,
+            0 if self.primitive.extensions.splats.is_some() => {
+                let detail = format!("{}: Gaussian splats (KHR_gaussian_splatting)", self.location);
+                warnings.note(Oddity::NotShown, path, None, detail);
+                return Ok(None);
+            }
             0..=3 => {
                 warnings.note(Oddity::PointsOrLines, path, None, self.location);
                 return Ok(None);
@@ -93,7 +100,7 @@ impl PrimitiveReader<'_> {
         };
         self.refuse_compression(positions)?;
         let default = materials.len() - 1;
-        let material = match self.primitive.material {
+        let material = match material_of(self.primitive, self.document.variant) {
             Some(index) if index.value() < default => materials[index.value()],
             Some(index) => {
                 let problem = format!("material {} does not exist", index.0);
@@ -103,11 +110,12 @@ impl PrimitiveReader<'_> {
         };
         let positions = floats::<3>(self.document, positions, self.location)?;
         let count = positions.len();
-        let texcoords = attributes.texcoords.iter().find(|(set, _)| *set == material.texcoord_set);
+        let texcoords =
+            |set: u32| attributes.texcoords.iter().find(|(n, _)| *n == set).map(|&(_, index)| index);
         let mut mesh = Mesh {
             positions,
             normals: self.optional::<3>(attributes.normals, count, warnings)?,
-            texcoords: self.optional::<2>(texcoords.map(|&(_, index)| index), count, warnings)?,
+            texcoords: self.optional::<2>(texcoords(material.texcoord_set), count, warnings)?,
             tangents: self.tangents(material, count, warnings)?,
             colors: self.colors(count, warnings)?,
             material: material.id,
@@ -116,15 +124,36 @@ impl PrimitiveReader<'_> {
         for [_, v] in &mut mesh.texcoords {
             *v = 1.0 - *v;
         }
+        let second = material.second_set.and_then(texcoords);
+        let mut second = self.optional::<2>(second, count, warnings)?;
+        let broken = replace_bad(&mut second, [0.0; 2]);
+        warnings.note_many(Oddity::BadAttribute, broken, path, None, self.location);
+        second.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
         let mut triangles = self.triangles(mode, count)?;
-        if material.has_tangents && mesh.tangents.is_empty() {
+        if let Some(set) = material.tangents.filter(|_| mesh.tangents.is_empty()) {
             let held = self.document.budget().held();
             self.document.hold(tangents::BYTES_PER_TRIANGLE * triangles.len(), self.location)?;
             mesh.indices = triangles;
+            let is_second = set == TexcoordSet::Second;
+            if is_second {
+                std::mem::swap(&mut mesh.texcoords, &mut second);
+            }
             mesh.tangents = tangents::tangents(&mesh);
+            if is_second {
+                std::mem::swap(&mut mesh.texcoords, &mut second);
+            }
             self.document.budget().settle(held);
             self.document.hold(size_of_val(&mesh.tangents[..]), self.location)?;
             triangles = std::mem::take(&mut mesh.indices);
+        }
+        if !second.is_empty() {
+            self.document.hold(size_of_val(&second[..]), self.location)?;
+            mesh.attributes.push(Attribute {
+                name: TEXCOORD_1.to_owned(),
+                rate: Rate::Vertex,
+                components: 2,
+                data: second.into_flattened(),
+            });
         }
         self.bent(bending, mesh, triangles, warnings)
     }
@@ -181,7 +210,7 @@ impl PrimitiveReader<'_> {
         count: usize,
         warnings: &mut Warnings,
     ) -> Result<Vec<[f32; 4]>, Error> {
-        if !material.has_tangents || self.primitive.attributes.normals.is_none() {
+        if material.tangents.is_none() || self.primitive.attributes.normals.is_none() {
             return Ok(Vec::new());
         }
         self.optional::<4>(self.primitive.attributes.tangents, count, warnings)
@@ -216,15 +245,17 @@ impl PrimitiveReader<'_> {
     }
 
     fn triangles(&self, mode: Mode, count: usize) -> Result<Vec<[u32; 3]>, Error> {
-        let order = match self.primitive.indices {
-            Some(index) => integers(self.document, index, self.location)?,
+        let (order, restart) = match self.primitive.indices {
+            Some(index) => indices(self.document, index, self.location)?,
             None => {
                 // Each vertex is the corner of up to three triangles.
                 self.document.hold(CORNER_BYTES * count, self.location)?;
-                (0..u32::try_from(count).unwrap_or(u32::MAX)).collect()
+                ((0..u32::try_from(count).unwrap_or(u32::MAX)).collect(), u32::MAX)
             }
         };
-        if let Some(bad) = order.iter().find(|&&i| i as usize >= count) {
+        // Without the extension it is an index like others.
+        let restart = Some(restart).filter(|_| self.document.has_restarts);
+        if let Some(bad) = order.iter().find(|&&i| i as usize >= count && Some(i) != restart) {
             let remedy = if count == 0 {
                 "there are no vertices".into()
             } else {
@@ -236,15 +267,20 @@ impl PrimitiveReader<'_> {
                 &remedy,
             ));
         }
+        let runs = order.split(|&i| Some(i) == restart);
         Ok(match mode {
             Mode::Strip => {
                 let turned = |(k, t): (usize, &[u32])| {
                     if k % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] }
                 };
-                order.windows(3).enumerate().map(turned).collect()
+                runs.flat_map(|run| run.windows(3).enumerate().map(turned)).collect()
             }
-            Mode::Fan => order.windows(2).skip(1).map(|edge| [edge[0], edge[1], order[0]]).collect(),
-            Mode::Triangles => order.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            Mode::Fan => {
+                let of_run =
+                    |run: &[u32]| run.windows(2).skip(1).map(|e| [e[0], e[1], run[0]]).collect::<Vec<_>>();
+                runs.flat_map(of_run).collect()
+            }
+            Mode::Triangles => runs.flat_map(|run| run.chunks_exact(3).map(|t| [t[0], t[1], t[2]])).collect(),
         })
     }
 }

@@ -19,16 +19,21 @@ mod base64;
 mod camera;
 mod container;
 mod document;
+pub(super) mod factor_paths;
 mod instancing;
 mod json;
 mod material;
 mod mesh;
+mod meshopt;
+mod meshopt_filters;
 mod nodes;
 mod pointer;
 mod primitive;
 mod ranges;
 mod rig;
 mod skin;
+mod specular_glossiness;
+mod variants;
 
 use std::path::Path;
 
@@ -45,13 +50,15 @@ use crate::scene::Scene;
 pub(super) const TEXT: Format = Format {
     name: "glTF 2.0",
     extensions: &["gltf"],
-    notes: "written at rest, without animations",
+    notes: "written without the environment",
     read: Some(|path, access| load(path, false, access)),
     read_whole: true,
+    says_up: true,
     write: Some(SceneWriter {
         save: save::save_text,
         companions: |_, path| vec![save::buffer_file(path)],
         has_materials: true,
+        has_animations: true,
         is_whole: false,
     }),
 };
@@ -60,13 +67,15 @@ pub(super) const TEXT: Format = Format {
 pub(super) const BINARY: Format = Format {
     name: "binary glTF 2.0",
     extensions: &["glb"],
-    notes: "one file, with its textures; written at rest",
+    notes: "one file, with its textures; written without the environment",
     read: Some(|path, access| load(path, true, access)),
     read_whole: true,
+    says_up: true,
     write: Some(SceneWriter {
         save: save::save_binary,
         companions: |_, _| Vec::new(),
         has_materials: true,
+        has_animations: true,
         is_whole: false,
     }),
 };

@@ -3,8 +3,9 @@
 //! Source: glTF 2.0 section 3.11; KHR_animation_pointer and the object model; KHR_node_visibility, KHR_lights_punctual,
 //! KHR_texture_transform and the material extensions that are read. Tests: `tests`, `tests/animation.rs`.
 
+use super::factor_paths::part_of;
 use super::json::Index;
-use crate::animation::{FactorPart, LightPart, TexturePart};
+use crate::animation::{FactorPart, LightPart};
 
 /// The target of a channel; indices are the file's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,7 +69,7 @@ impl Aim {
                 };
                 Self::Light(index(n)?, part)
             }
-            ["materials", n, ref part @ ..] => Self::Material(index(n)?, factor(part)?),
+            ["materials", n, ref part @ ..] => Self::Material(index(n)?, part_of(&part.join("/"))?),
             _ => return None,
         })
     }
@@ -86,63 +87,10 @@ impl Aim {
     }
 }
 
-fn factor(path: &[&str]) -> Option<FactorPart> {
-    use FactorPart as P;
-    if let [texture @ .., "extensions", "KHR_texture_transform", part] = path {
-        let part = match *part {
-            "offset" => TexturePart::Offset,
-            "rotation" => TexturePart::Rotation,
-            "scale" => TexturePart::Scale,
-            _ => return None,
-        };
-        return Some(match texture {
-            ["pbrMetallicRoughness", "baseColorTexture"] => P::BaseTexture(part),
-            ["pbrMetallicRoughness", "metallicRoughnessTexture"] => P::MetallicRoughnessTexture(part),
-            ["normalTexture"] => P::NormalTexture(part),
-            ["emissiveTexture"] => P::EmissionTexture(part),
-            ["extensions", "KHR_materials_anisotropy", "anisotropyTexture"] => P::AnisotropyTexture(part),
-            _ => return None,
-        });
-    }
-    Some(match path {
-        ["pbrMetallicRoughness", "baseColorFactor"] => P::BaseColor,
-        ["pbrMetallicRoughness", "metallicFactor"] => P::Metallic,
-        ["pbrMetallicRoughness", "roughnessFactor"] => P::Roughness,
-        ["emissiveFactor"] => P::Emission,
-        ["alphaCutoff"] => P::AlphaCutoff,
-        ["normalTexture", "scale"] => P::NormalScale,
-        ["extensions", extension, field] => match (*extension, *field) {
-            ("KHR_materials_emissive_strength", "emissiveStrength") => P::EmissionStrength,
-            ("KHR_materials_ior", "ior") => P::Ior,
-            ("KHR_materials_specular", "specularFactor") => P::Specular,
-            ("KHR_materials_specular", "specularColorFactor") => P::SpecularColor,
-            ("KHR_materials_clearcoat", "clearcoatFactor") => P::Clearcoat,
-            ("KHR_materials_clearcoat", "clearcoatRoughnessFactor") => P::ClearcoatRoughness,
-            ("KHR_materials_sheen", "sheenColorFactor") => P::SheenColor,
-            ("KHR_materials_sheen", "sheenRoughnessFactor") => P::SheenRoughness,
-            ("KHR_materials_transmission", "transmissionFactor") => P::Transmission,
-            ("KHR_materials_volume", "thicknessFactor") => P::Thickness,
-            ("KHR_materials_volume", "attenuationColor") => P::AttenuationColor,
-            ("KHR_materials_volume", "attenuationDistance") => P::AttenuationDistance,
-            ("KHR_materials_dispersion", "dispersion") => P::Dispersion,
-            ("KHR_materials_anisotropy", "anisotropyStrength") => P::Anisotropy,
-            ("KHR_materials_anisotropy", "anisotropyRotation") => P::AnisotropyRotation,
-            ("KHR_materials_iridescence", "iridescenceFactor") => P::Iridescence,
-            ("KHR_materials_iridescence", "iridescenceIor") => P::IridescenceIor,
-            ("KHR_materials_iridescence", "iridescenceThicknessMaximum") => P::IridescenceThickness,
-            ("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor") => P::DiffuseTransmission,
-            ("KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor") => {
-                P::DiffuseTransmissionColor
-            }
-            _ => return None,
-        },
-        _ => return None,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::animation::TexturePart;
 
     #[test]
     fn pointers_name_values() {

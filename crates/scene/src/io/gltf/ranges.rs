@@ -44,6 +44,7 @@ pub(super) fn out_of_range(factors: &Factors) -> Vec<String> {
     check("iridescenceFactor", &[f.iridescence], share, &unit);
     check("iridescenceIor", &[f.iridescence_ior], "1 or more", &|x| x >= 1.0 && x.is_finite());
     check("iridescenceThicknessMaximum", &[f.iridescence_thickness], any, &positive);
+    check("iridescenceThicknessMinimum", &[f.iridescence_least_thickness], any, &positive);
     check("diffuseTransmissionFactor", &[f.diffuse_transmission], share, &unit);
     check("diffuseTransmissionColorFactor", &f.diffuse_transmission_color, share, &unit);
     wrong

@@ -19,6 +19,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use super::directives::MapStatement;
+use super::maps;
 use super::mtl::{Entry, Library, Map};
 use super::normals::{holds_normals, with_normals};
 use crate::detail::{Anisotropy, Interior};
@@ -27,6 +28,7 @@ use crate::io::error::quoted;
 use crate::io::source::{self, Access};
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings};
+use crate::layer_textures::LayerTextures;
 use crate::material::{
     Alpha, BumpMap, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
 };
@@ -99,7 +101,8 @@ fn shader_file(entry: &Entry, map_statement: &Map, access: &Access) -> Result<Sh
 /// Rejects textures outside of the folder that confines the file.
 fn check_maps(entry: &Entry, access: &Access) -> Result<(), Error> {
     let maps = [&entry.map_kd, &entry.map_ke, &entry.map_d, &entry.bump, &entry.disp, &entry.norm];
-    for map in maps.into_iter().flatten() {
+    let layers = [&entry.map_pr, &entry.map_pm, &entry.map_ps, &entry.map_pc, &entry.map_pcr];
+    for map in maps.into_iter().chain(layers).flatten() {
         if let Some(statement) = MapStatement::parse(&map.text) {
             let outside = |(problem, remedy)| Error::data(&entry.path, Some(map.line), problem, remedy);
             access.check(&source::resolve(&entry.path, &statement.file)).map_err(outside)?;
@@ -137,9 +140,23 @@ fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: 
         normals = normals.or(Some(NormalMap { texture: map.texture, scale: map.height }));
     }
 
+    let [map_pr, map_pm, map_ps, map_pc, map_pcr] =
+        [&entry.map_pr, &entry.map_pm, &entry.map_ps, &entry.map_pc, &entry.map_pcr]
+            .map(|of| textures.add_some(entry, of, scene, warnings));
+    let details = maps::packed(textures.access, scene, map_pr, map_pm).unwrap_or_else(|why| {
+        warnings.note(Oddity::BadTexture, &entry.path, None, why);
+        None
+    });
+    let layers = LayerTextures {
+        sheen_color: map_ps,
+        clearcoat: map_pc,
+        clearcoat_roughness: map_pcr,
+        ..LayerTextures::default()
+    };
+
     let phong = Phong::of(entry, warnings);
     let diffuse = Color { factor: phong.kd, texture: map_kd };
-    let plain = phong.surface(diffuse);
+    let plain = maps::with_maps(phong.surface(diffuse), details, layers);
     let surface = match normals {
         None => plain,
         Some(normals) => with_normals(plain, normals).unwrap_or_else(|plain| {
@@ -186,6 +203,7 @@ impl Phong {
         warn_out_of_range(entry, warnings);
         let not_negative = |c: [f32; 3]| c.map(|x| x.max(0.0));
         let unit = |x: f32| x.clamp(0.0, 1.0);
+        let whole = |map: &Option<Box<Map>>| map.as_ref().map(|_| 1.0);
         let ke = entry.ke.map(not_negative);
         // Without `Kd`: white under a map, black with other keywords, grey with none.
         let says_else = ke.is_some() || entry.ks.is_some() || entry.illum.is_some_and(|model| model > 2);
@@ -203,11 +221,12 @@ impl Phong {
             ni: entry.ni.filter(|&ni| ni > 0.0),
             d: unit(entry.d.or(entry.tr.map(|tr| 1.0 - tr)).unwrap_or(1.0)),
             illum: entry.illum.unwrap_or(2),
-            metallic: entry.pm.map(unit),
-            roughness: entry.pr.map(unit),
-            sheen: entry.ps.map(unit),
-            coat: entry.pc.map(unit),
-            coat_roughness: entry.pcr.map(unit),
+            // A map alone counts as it is.
+            metallic: entry.pm.map(unit).or(whole(&entry.map_pm)),
+            roughness: entry.pr.map(unit).or(whole(&entry.map_pr)),
+            sheen: entry.ps.map(unit).or(whole(&entry.map_ps)),
+            coat: entry.pc.map(unit).or(whole(&entry.map_pc)),
+            coat_roughness: entry.pcr.map(unit).or(whole(&entry.map_pcr)),
             anisotropy: Anisotropy {
                 strength: entry.aniso.map_or(0.0, unit),
                 rotation: entry.anisor.unwrap_or(0.0) * std::f32::consts::TAU,
@@ -332,6 +351,17 @@ struct Textures<'a> {
 }
 
 impl Textures<'_> {
+    /// A texture of numbers, if it is named.
+    fn add_some(
+        &mut self,
+        entry: &Entry,
+        map: &Option<Box<Map>>,
+        scene: &mut Scene,
+        warnings: &mut Warnings,
+    ) -> Option<TextureRef> {
+        self.add(entry, map.as_ref()?, Meaning::Data, scene, warnings)
+    }
+
     fn add(
         &mut self,
         entry: &Entry,
@@ -365,6 +395,6 @@ impl Textures<'_> {
                 texture
             }
         };
-        Some(TextureRef { texture, uv_from_mesh: map.uv_from_mesh() })
+        Some(TextureRef { uv_from_mesh: map.uv_from_mesh(), ..TextureRef::new(texture) })
     }
 }

@@ -10,6 +10,7 @@
 //! `tests/growth.rs`.
 
 mod directives;
+mod maps;
 mod material;
 mod mtl;
 mod normals;
@@ -36,10 +37,12 @@ pub(super) const FORMAT: Format = Format {
     notes: "polygons and vertex colours (linear, `v X Y Z R G B`)",
     read: Some(load),
     read_whole: true,
+    says_up: false,
     write: Some(SceneWriter {
         save: save::save,
         companions: save::companion_files,
         has_materials: true,
+        has_animations: false,
         is_whole: true,
     }),
 };

@@ -55,6 +55,12 @@ pub(super) struct Entry {
     pub(super) disp: Option<Box<Map>>,
     /// Normals.
     pub(super) norm: Option<Box<Map>>,
+    /// Roughness, metalness, sheen, coat and its roughness.
+    pub(super) map_pr: Option<Box<Map>>,
+    pub(super) map_pm: Option<Box<Map>>,
+    pub(super) map_ps: Option<Box<Map>>,
+    pub(super) map_pc: Option<Box<Map>>,
+    pub(super) map_pcr: Option<Box<Map>>,
     /// A file in the shading language and its parameters; not MTL's.
     pub(super) shader: Option<Box<Map>>,
 }
@@ -249,6 +255,11 @@ fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<State
         "bump" | "map_bump" | "map_Bump" => map(|e| &mut e.bump),
         "disp" | "map_disp" | "map_Disp" => map(|e| &mut e.disp),
         "norm" | "map_Norm" | "map_norm" => map(|e| &mut e.norm),
+        "map_Pr" => map(|e| &mut e.map_pr),
+        "map_Pm" => map(|e| &mut e.map_pm),
+        "map_Ps" => map(|e| &mut e.map_ps),
+        "map_Pc" => map(|e| &mut e.map_pc),
+        "map_Pcr" => map(|e| &mut e.map_pcr),
         "gnurt_shader" => map(|e| &mut e.shader),
         _ => Ok(None),
     }
@@ -257,19 +268,7 @@ fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<State
 /// Textures that change the appearance of a surface, and are not read. `map_Ka` is not among them: there is
 /// no ambient light.
 fn is_lost(keyword: &str) -> bool {
-    matches!(
-        keyword,
-        "map_Ks"
-            | "map_Ns"
-            | "map_Pr"
-            | "map_Pm"
-            | "map_Ps"
-            | "map_Pc"
-            | "map_Pcr"
-            | "map_aniso"
-            | "decal"
-            | "refl"
-    )
+    matches!(keyword, "map_Ks" | "map_Ns" | "map_aniso" | "decal" | "refl")
 }
 
 fn finite(token: &str) -> Option<f32> {

@@ -38,10 +38,12 @@ pub(super) const FORMAT: Format = Format {
     notes: "one mesh; colours, normals, texture coordinates",
     read: Some(load),
     read_whole: true,
+    says_up: false,
     write: Some(SceneWriter {
         save: save::save,
         companions: |_, _| Vec::new(),
         has_materials: false,
+        has_animations: false,
         is_whole: true,
     }),
 };

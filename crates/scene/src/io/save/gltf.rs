@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! glTF 2.0: objects as meshes, instances as nodes, cameras, lights, materials, pictures inside the buffer.
+//! glTF 2.0: objects as meshes, instances as nodes, cameras, lights, materials, animations; pictures inside the
+//! buffer.
 //! Source: glTF 2.0; KHR_lights_punctual and the extensions of `gltf/material.rs`. A file lists exactly the
 //! extensions that it uses. The buffer of `.gltf` is the file NAME.bin, that of `.glb` is inside. Tests:
 //! `tests/save.rs`.
 
+mod animation;
 mod buffer;
 mod camera;
 mod material;
+mod mesh;
+mod nodes;
 mod opacity;
 
 use std::collections::BTreeSet;
@@ -15,20 +19,15 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use buffer::Buffer;
+use nodes::Nodes;
 use opacity::BaseTexture;
 
 use super::files::{check_writable, leave_out, write};
 use super::png;
-use crate::affine::Affine;
-use crate::camera::Camera;
 use crate::id::TextureId;
 use crate::io::{Error, Warnings};
-use crate::light::Light;
 use crate::material::TextureRef;
-use crate::mesh::Mesh;
-use crate::motion::Motion;
-use crate::ray_mask::RayMask;
-use crate::scene::{Object, Scene};
+use crate::scene::Scene;
 
 /// Writes a text file and its buffer.
 pub(in crate::io) fn save_text(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
@@ -41,20 +40,13 @@ pub(in crate::io) fn save_binary(scene: &Scene, path: &Path, warnings: &mut Warn
 }
 
 fn save(scene: &Scene, path: &Path, is_binary: bool, warnings: &mut Warnings) -> Result<(), Error> {
+    let scene = &shown(scene);
     let mut buffer = Buffer::default();
     let meshes: Vec<Value> = scene
         .objects()
         .iter()
-        .filter(|object| is_mesh(scene, object))
-        .map(|object| {
-            let shown = shown_meshes(scene, object);
-            let primitives = shown.map(|mesh| primitive(mesh, &mut buffer));
-            let mut mesh = json!({ "name": object.name, "primitives": primitives.collect::<Vec<_>>() });
-            if object.motion != Motion::Auto {
-                mesh["extras"] = json!({ "gnurt_motion": object.motion.to_string() });
-            }
-            mesh
-        })
+        .filter(|object| mesh::shown_meshes(scene, object).next().is_some())
+        .map(|object| mesh::mesh(scene, object, &mut buffer))
         .collect();
     let mut merged = Vec::new();
     let mut lost = 0;
@@ -68,10 +60,10 @@ fn save(scene: &Scene, path: &Path, is_binary: bool, warnings: &mut Warnings) ->
                     lost += 1;
                     texture
                 }
-                BaseTexture::Merged(texture, uv_from_mesh) => {
+                BaseTexture::Merged(texture, like) => {
                     let id = TextureId((scene.textures().len() + merged.len()) as u32);
                     merged.push(texture);
-                    Some(TextureRef { texture: id, uv_from_mesh })
+                    Some(TextureRef { texture: id, ..like })
                 }
             })
         })
@@ -90,44 +82,68 @@ fn save(scene: &Scene, path: &Path, is_binary: bool, warnings: &mut Warnings) ->
         samplers.push(material::sampler(texture));
         textures.push(json!({ "source": k, "sampler": k, "name": texture.name }));
     }
-    let (mut nodes, mut roots, lights) = nodes(scene, path, warnings)?;
+    let mut nodes = Nodes::new(scene, path, warnings)?;
+    let matrices = |joints: &[[f32; 16]]| buffer.add_floats("MAT4", joints);
+    let skins = scene.animation().map(|animation| nodes.skins(animation, matrices)).unwrap_or_default();
     let cameras: Vec<Value> = scene.cameras().iter().map(camera::camera).collect();
-    for (k, camera) in scene.cameras().iter().enumerate() {
-        if let Some(matrix) = camera_matrix(camera) {
-            roots.push(nodes.len());
-            nodes.push(json!({ "name": camera.name, "camera": k, "matrix": matrix.to_column_major() }));
-        }
-    }
 
-    let mut root = Map::new();
+    let mut root = json!({});
     let mut put = |key: &str, values: Vec<Value>| {
         // Empty arrays are not allowed.
         if !values.is_empty() {
-            root.insert(key.to_owned(), values.into());
+            root[key] = values.into();
         }
     };
     put("meshes", meshes);
-    put("nodes", nodes);
+    put("nodes", std::mem::take(&mut nodes.list));
+    put("skins", skins);
     put("materials", materials);
     put("images", images);
     put("samplers", samplers);
     put("textures", textures);
     put("cameras", cameras);
-    put("accessors", std::mem::take(&mut buffer.accessors));
-    put("bufferViews", std::mem::take(&mut buffer.views));
-    put("scenes", vec![json!({ "nodes": roots })]);
-    root.insert("scene".into(), 0.into());
-    root.insert("asset".into(), json!({ "version": "2.0", "generator": gnurt_image::SOFTWARE }));
-    if !lights.is_empty() {
-        root.insert("extensions".into(), json!({ "KHR_lights_punctual": { "lights": lights } }));
+    put(
+        "scenes",
+        vec![match nodes.roots.is_empty() {
+            true => json!({}),
+            false => json!({ "nodes": nodes.roots }),
+        }],
+    );
+    root["scene"] = 0.into();
+    root["asset"] = json!({ "version": "2.0", "generator": gnurt_image::SOFTWARE });
+    let has_lights = !nodes.lights.is_empty();
+    if has_lights {
+        root["extensions"] = json!({ "KHR_lights_punctual": { "lights": nodes.lights } });
     }
+    if let Some(animation) = scene.animation() {
+        material::set_driven(animation, &mut root);
+        let told = (path, warnings);
+        let made = animation::animations(animation, &nodes, &mut root, &mut buffer, told);
+        if !made.is_empty() {
+            root["animations"] = made.into();
+        }
+    }
+    for (key, values) in [("accessors", buffer.accessors), ("bufferViews", buffer.views)] {
+        if !values.is_empty() {
+            root[key] = values.into();
+        }
+    }
+    let Value::Object(mut root) = root else { unreachable!("it is an object") };
     let mut used = BTreeSet::new();
     root.values().for_each(|value| note_extensions(value, &mut used));
-    used.extend(root.contains_key("extensions").then(|| "KHR_lights_punctual".to_owned()));
+    used.extend(has_lights.then(|| "KHR_lights_punctual".to_owned()));
     if !used.is_empty() {
         root.insert("extensionsUsed".into(), used.into_iter().collect());
     }
     write_files(root, &buffer.bytes, path, is_binary)
+}
+
+/// The scene with all instances that move, those that are hidden now, too: their nodes hide them.
+fn shown(scene: &Scene) -> Scene {
+    let mut shown = scene.clone();
+    let moving: Vec<_> = scene.animation().iter().flat_map(|a| &a.instances).map(|m| m.instance).collect();
+    moving.into_iter().for_each(|id| shown.edit_instance(id).visible = true);
+    shown
 }
 
 /// The names of extensions anywhere in `value`.
@@ -201,137 +217,4 @@ fn binary_file(mut json: Vec<u8>, bytes: &[u8], path: &Path) -> Result<Vec<u8>, 
 fn percent_encode(name: &str) -> String {
     let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_.~".contains(&b);
     name.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
-}
-
-fn primitive(mesh: &Mesh, buffer: &mut Buffer) -> Value {
-    let mut attributes = Map::new();
-    attributes.insert("POSITION".into(), buffer.add_positions(&mesh.positions).into());
-    if !mesh.normals.is_empty() {
-        attributes.insert("NORMAL".into(), buffer.add_floats("VEC3", &mesh.normals).into());
-    }
-    if !mesh.texcoords.is_empty() {
-        let down: Vec<_> = mesh.texcoords.iter().map(|[u, v]| [*u, 1.0 - v]).collect();
-        attributes.insert("TEXCOORD_0".into(), buffer.add_floats("VEC2", &down).into());
-    }
-    if !mesh.tangents.is_empty() && !mesh.normals.is_empty() {
-        let unit: Vec<_> = mesh.tangents.iter().map(unit_tangent).collect();
-        attributes.insert("TANGENT".into(), buffer.add_floats("VEC4", &unit).into());
-    }
-    if !mesh.colors.is_empty() {
-        attributes.insert("COLOR_0".into(), buffer.add_floats("VEC4", &mesh.colors).into());
-    }
-    json!({ "attributes": attributes, "indices": buffer.add_indices(&mesh.indices), "material": mesh.material.0 })
-}
-
-/// As glTF requires: unit, and the fourth number 1 or -1. A zero tangent stays zero.
-fn unit_tangent(&[x, y, z, side]: &[f32; 4]) -> [f32; 4] {
-    let [x, y, z] = glam::Vec3::new(x, y, z).normalize_or_zero().to_array();
-    [x, y, z, 1.0_f32.copysign(side)]
-}
-
-/// The meshes of an object that have triangles: glTF allows none without.
-fn shown_meshes<'a>(scene: &'a Scene, object: &'a Object) -> impl Iterator<Item = &'a Mesh> {
-    object.meshes.iter().map(|&id| scene.mesh(id)).filter(|mesh| !mesh.indices.is_empty())
-}
-
-/// Whether an object becomes a mesh: an object without meshes has nodes only.
-fn is_mesh(scene: &Scene, object: &Object) -> bool {
-    shown_meshes(scene, object).next().is_some()
-}
-
-/// Nodes for objects in objects, unfolded, that a file may have.
-const MOST_NODES: usize = 1 << 24;
-
-/// Nodes of instances and lights, which of them are roots, and the lights.
-type Nodes = (Vec<Value>, Vec<usize>, Vec<Value>);
-
-fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<Nodes, Error> {
-    let (mut nodes, mut roots) = (Vec::new(), Vec::new());
-    let mut next = 0..;
-    let numbers: Vec<Option<usize>> = scene
-        .objects()
-        .iter()
-        .map(|object| if is_mesh(scene, object) { next.next() } else { None })
-        .collect();
-    // Path from the root: the number of its nodes, and their indices.
-    let mut stack: Vec<usize> = Vec::new();
-    for found in scene.occurrences() {
-        if nodes.len() >= MOST_NODES {
-            let problem = format!("more than {MOST_NODES} nodes, with objects in objects unfolded");
-            return Err(Error::io(path, problem, "glTF has a node for each; leave some out"));
-        }
-        stack.truncate(found.depth);
-        let matrix = found.parent_from_object.to_column_major();
-        let mut node = json!({ "name": found.name, "matrix": matrix });
-        if let Some(number) = numbers[found.object_id.index()] {
-            node["mesh"] = number.into();
-            if found.mask != RayMask::ALL {
-                node["extras"] = json!({ "mask": found.mask.0 });
-            }
-        }
-        let node_index = nodes.len();
-        match stack.last() {
-            None => roots.push(node_index),
-            Some(&parent) => {
-                let parent: &mut Value = &mut nodes[parent];
-                match parent["children"].as_array_mut() {
-                    Some(children) => children.push(node_index.into()),
-                    None => parent["children"] = json!([node_index]),
-                }
-            }
-        }
-        nodes.push(node);
-        stack.push(node_index);
-    }
-    let mut lights = Vec::new();
-    for light in scene.lights() {
-        let (described, node_index) = match light {
-            Light::Point { position, intensity } => {
-                (punctual("point", *intensity), at(*position, [0.0, 0.0, -1.0]))
-            }
-            Light::Directional { direction, irradiance } => {
-                (punctual("directional", *irradiance), at([0.0; 3], *direction))
-            }
-            Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-                let mut spot = punctual("spot", *intensity);
-                spot["spot"] = json!({ "innerConeAngle": inner_angle, "outerConeAngle": outer_angle });
-                (spot, at(*position, *direction))
-            }
-            Light::Environment { .. } | Light::Backdrop { .. } => {
-                leave_out(1, "environment light", path, warnings);
-                continue;
-            }
-        };
-        let extension = json!({ "KHR_lights_punctual": { "light": lights.len() } });
-        roots.push(nodes.len());
-        nodes.push(json!({ "matrix": node_index.to_column_major(), "extensions": extension }));
-        lights.push(described);
-    }
-    Ok((nodes, roots, lights))
-}
-
-fn punctual(kind: &str, color: [f32; 3]) -> Value {
-    let intensity = color.iter().copied().fold(0.0, f32::max);
-    let color = if intensity > 0.0 { color.map(|c| c / intensity) } else { [1.0; 3] };
-    json!({ "type": kind, "intensity": intensity, "color": color })
-}
-
-/// The frame at `position` that faces `direction`.
-fn at(position: [f32; 3], direction: [f32; 3]) -> Affine {
-    let target = [0, 1, 2].map(|k| position[k] + direction[k]);
-    let view = Camera {
-        name: String::new(),
-        eye: position,
-        target,
-        up: [0.0, 1.0, 0.0],
-        fov_y: 45.0,
-        ..Camera::default()
-    };
-    camera_matrix(&view).unwrap_or_else(|| Affine::translation(position.map(f64::from)))
-}
-
-fn camera_matrix(camera: &Camera) -> Option<Affine> {
-    let frame = camera.frame()?;
-    let back = frame.forward.map(|x| -x);
-    Some(Affine { columns: [frame.right, frame.up, back, camera.eye].map(|column| column.map(f64::from)) })
 }

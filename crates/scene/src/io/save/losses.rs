@@ -7,15 +7,36 @@ use std::path::Path;
 use super::files::leave_out;
 use crate::io::Warnings;
 use crate::material::{Material, Surface};
+use crate::mesh::{Attribute, TEXCOORD_1};
 use crate::scene::Scene;
 use crate::texture::{TexelData, Texels};
 
 /// Shaders, attributes and instances of a scene that no format holds.
 pub(in crate::io) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warnings) {
-    let attributes = scene.meshes().iter().map(|mesh| mesh.attributes.len()).sum();
+    let is_named = |attribute: &&Attribute| attribute.name != TEXCOORD_1;
+    let attributes = scene.meshes().iter().map(|mesh| mesh.attributes.iter().filter(is_named).count()).sum();
     leave_out(attributes, "attribute of a mesh", path, warnings);
-    let hidden = scene.instances().iter().filter(|instance| !instance.visible).count();
+    let moves = |id: usize| {
+        scene.animation().is_some_and(|a| a.instances.iter().any(|moving| moving.instance.index() == id))
+    };
+    let hidden = scene.instances().iter().enumerate().filter(|(id, it)| !it.visible && !moves(*id)).count();
     leave_out(hidden, "hidden instance", path, warnings);
+}
+
+/// Second texture coordinates, in formats with one set.
+pub fn of_texcoords(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+    let second = scene.meshes().iter().filter(|mesh| !mesh.second_texcoords().is_empty()).count();
+    leave_out(second, "second set of texture coordinates", path, warnings);
+}
+
+/// Textures of layers, in formats that have numbers only.
+pub fn of_layer_textures(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+    let has_some = |material: &&Material| match &material.surface {
+        Surface::Principled(p) => !p.layer_textures.is_empty(),
+        _ => false,
+    };
+    let count = scene.materials().iter().filter(has_some).count();
+    leave_out(count, "textures of the layers of a material", path, warnings);
 }
 
 /// Parts of materials that are lost in all formats with materials.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Writing scenes: OBJ with MTL, PLY, glTF.
-//! Source: the formats' own specifications, see `io::{obj, ply, gltf}`.
+//! Writing scenes: OBJ with MTL, PLY, glTF, STL.
+//! Source: the formats' own specifications, see `io::{obj, ply, gltf, stl}`.
 //! Every file appears whole or not at all; files that the main one refers to are written before it.
 //! A feature that a format lacks is dropped with a warning. OBJ and PLY hold neither instances (they are
 //! unfolded) nor cameras nor lights; PLY holds no materials, glTF no environment; animations are not written.
@@ -12,4 +12,5 @@ pub(super) mod losses;
 pub(super) mod obj;
 pub(super) mod ply;
 pub(super) mod png;
+pub(super) mod stl;
 mod world;

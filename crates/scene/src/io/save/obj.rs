@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use gnurt_image::srgb;
 
 use super::files::{check_writable, leave_out, write};
+use super::losses;
 use super::{png, world};
 use crate::detail::{Anisotropy, Interior};
 use crate::id::TextureId;
@@ -34,6 +35,8 @@ pub(in crate::io) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -
     write(&library_file, library(scene, &names, &stem).as_bytes())?;
     leave_out_maps(scene, path, warnings);
     leave_out_layers(scene, path, warnings);
+    losses::of_layer_textures(scene, path, warnings);
+    losses::of_texcoords(scene, path, warnings);
     leave_out(scene.cameras().len(), "camera", path, warnings);
     leave_out(scene.lights().len(), "light", path, warnings);
     write(path, geometry(scene, &names, &stem).as_bytes())
@@ -265,7 +268,7 @@ fn push_material(text: &mut String, material: &Material, scene: &Scene, stem: &s
 }
 
 fn push_map(text: &mut String, keyword: &str, texture: Option<TextureRef>, scene: &Scene, stem: &str) {
-    let Some(TextureRef { texture, uv_from_mesh: [a, _, _, d, e, f] }) = texture else {
+    let Some(TextureRef { texture, uv_from_mesh: [a, _, _, d, e, f], .. }) = texture else {
         return;
     };
     let clamp = if scene.texture(texture).wrap == [Wrap::ClampToEdge; 2] { "-clamp on " } else { "" };

@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use super::files::{leave_out, write};
+use super::losses;
 use super::world;
 use crate::io::{Error, Warnings};
 use crate::mesh::Mesh;
@@ -57,6 +58,7 @@ pub(in crate::io) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -
         }
         base += mesh.positions.len() as u32;
     }
+    losses::of_texcoords(scene, path, warnings);
     leave_out(scene.cameras().len(), "camera", path, warnings);
     leave_out(scene.lights().len(), "light", path, warnings);
     leave_out(scene.materials().len(), "material", path, warnings);

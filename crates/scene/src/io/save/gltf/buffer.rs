@@ -5,6 +5,8 @@
 use serde_json::{Value, json};
 
 const FLOAT: u32 = 5126;
+const UNSIGNED_BYTE: u32 = 5121;
+const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
 
 /// Bytes, and the JSON that describes them.
@@ -41,6 +43,33 @@ impl Buffer {
         self.accessors[accessor]["min"] = json!(bound(f32::min));
         self.accessors[accessor]["max"] = json!(bound(f32::max));
         accessor
+    }
+
+    /// Times need their bounds.
+    pub(super) fn add_times(&mut self, values: &[[f32; 1]]) -> usize {
+        let accessor = self.add_floats("SCALAR", values);
+        self.accessors[accessor]["min"] = json!([values.first().map_or(0.0, |time| time[0])]);
+        self.accessors[accessor]["max"] = json!([values.last().map_or(0.0, |time| time[0])]);
+        accessor
+    }
+
+    /// Truth values: everything but zero.
+    pub(super) fn add_flags(&mut self, values: &[f32]) -> usize {
+        let bytes: Vec<u8> = values.iter().map(|&value| u8::from(value != 0.0)).collect();
+        let view = self.add_bytes(&bytes);
+        let count = values.len();
+        self.add_accessor(
+            json!({ "bufferView": view, "componentType": UNSIGNED_BYTE, "count": count, "type": "SCALAR" }),
+        )
+    }
+
+    pub(super) fn add_joints(&mut self, values: &[[u16; 4]]) -> usize {
+        let bytes: Vec<u8> = values.iter().flatten().flat_map(|joint| joint.to_le_bytes()).collect();
+        let view = self.add_bytes(&bytes);
+        let count = values.len();
+        self.add_accessor(
+            json!({ "bufferView": view, "componentType": UNSIGNED_SHORT, "count": count, "type": "VEC4" }),
+        )
     }
 
     pub(super) fn add_indices(&mut self, triangles: &[[u32; 3]]) -> usize {

@@ -4,9 +4,10 @@
 
 use serde_json::{Value, json};
 
+use crate::animation::{Animation, MovingMaterial};
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::material::{Alpha, Color, Material, Principled, Surface, TextureRef};
-use crate::texture::{Filter, Texture, Wrap};
+use crate::texture::{Filter, TexcoordSet, Texture, Wrap};
 
 /// Whether its base colour is outside of glTF's range.
 pub(super) fn is_too_bright(material: &Material) -> bool {
@@ -75,7 +76,9 @@ pub(super) fn material(
         "baseColorFactor": [r, g, b, alpha], "metallicFactor": metallic, "roughnessFactor": roughness,
     });
     set_texture(&mut pbr, "baseColorTexture", base_texture(base.texture));
-    let mut to = json!({ "name": material.name, "alphaMode": mode, "doubleSided": true });
+    // A volume has an inside and an outside.
+    let is_sheet = extensions.get("KHR_materials_volume").is_none();
+    let mut to = json!({ "name": material.name, "alphaMode": mode, "doubleSided": is_sheet });
     let details = match &material.surface {
         Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
             Some((metallic_roughness_texture, normal_texture))
@@ -109,6 +112,23 @@ pub(super) fn material(
     to
 }
 
+/// Writes the emission of driven materials as the channels see it: factor and strength apart.
+pub(super) fn set_driven(animation: &Animation, document: &mut Value) {
+    for MovingMaterial { material, factors } in &animation.materials {
+        let Some(to) = document["materials"].get_mut(material.index()) else { continue };
+        to["emissiveFactor"] = json!(factors.emission.map(|x| x.clamp(0.0, 1.0)));
+        if factors.emission_strength != 1.0 {
+            to["extensions"]["KHR_materials_emissive_strength"] =
+                json!({ "emissiveStrength": factors.emission_strength });
+        } else if let Some(extensions) = to["extensions"].as_object_mut() {
+            extensions.remove("KHR_materials_emissive_strength");
+        }
+        if to["extensions"].is_null() || to["extensions"].as_object().is_some_and(|all| all.is_empty()) {
+            to.as_object_mut().map(|map| map.remove("extensions"));
+        }
+    }
+}
+
 /// The index of refraction, unless it is glTF's default.
 fn set_ior(ior: f32, extensions: &mut Value) {
     if ior != 1.5 {
@@ -118,40 +138,85 @@ fn set_ior(ior: f32, extensions: &mut Value) {
 
 /// Layers above the body or instead of it; defaults of glTF are not written.
 fn layers(p: &Principled, extensions: &mut Value) {
-    if p.specular != 1.0 || p.specular_color != [1.0; 3] {
-        extensions["KHR_materials_specular"] =
-            json!({ "specularFactor": p.specular, "specularColorFactor": p.specular_color });
+    let maps = &p.layer_textures;
+    let mut put = |name: &str, mut values: Value, textures: &[(&str, Option<TextureRef>)]| {
+        textures.iter().for_each(|(key, texture)| set_texture(&mut values, key, *texture));
+        extensions[name] = values;
+    };
+    let has_map = maps.specular.or(maps.specular_color).is_some();
+    if p.specular != 1.0 || p.specular_color != [1.0; 3] || has_map {
+        put(
+            "KHR_materials_specular",
+            json!({ "specularFactor": p.specular, "specularColorFactor": p.specular_color }),
+            &[("specularTexture", maps.specular), ("specularColorTexture", maps.specular_color)],
+        );
     }
     if p.clearcoat > 0.0 {
-        extensions["KHR_materials_clearcoat"] =
-            json!({ "clearcoatFactor": p.clearcoat, "clearcoatRoughnessFactor": p.clearcoat_roughness });
+        put(
+            "KHR_materials_clearcoat",
+            json!({ "clearcoatFactor": p.clearcoat, "clearcoatRoughnessFactor": p.clearcoat_roughness }),
+            &[
+                ("clearcoatTexture", maps.clearcoat),
+                ("clearcoatRoughnessTexture", maps.clearcoat_roughness),
+                ("clearcoatNormalTexture", maps.clearcoat_normal),
+            ],
+        );
     }
     if p.sheen_color != [0.0; 3] {
-        extensions["KHR_materials_sheen"] =
-            json!({ "sheenColorFactor": p.sheen_color, "sheenRoughnessFactor": p.sheen_roughness });
+        put(
+            "KHR_materials_sheen",
+            json!({ "sheenColorFactor": p.sheen_color, "sheenRoughnessFactor": p.sheen_roughness }),
+            &[("sheenColorTexture", maps.sheen_color), ("sheenRoughnessTexture", maps.sheen_roughness)],
+        );
     }
     if p.transmission > 0.0 {
-        extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": p.transmission });
-    }
-    if !p.thin && (p.transmission > 0.0 || p.diffuse_transmission.factor > 0.0) {
-        inside(&p.interior, extensions);
+        put(
+            "KHR_materials_transmission",
+            json!({ "transmissionFactor": p.transmission }),
+            &[("transmissionTexture", maps.transmission)],
+        );
     }
     let Anisotropy { strength, rotation, texture } = p.anisotropy;
     if strength > 0.0 {
-        let mut brushed = json!({ "anisotropyStrength": strength, "anisotropyRotation": rotation });
-        set_texture(&mut brushed, "anisotropyTexture", texture);
-        extensions["KHR_materials_anisotropy"] = brushed;
+        put(
+            "KHR_materials_anisotropy",
+            json!({ "anisotropyStrength": strength, "anisotropyRotation": rotation }),
+            &[("anisotropyTexture", texture)],
+        );
     }
-    let Iridescence { factor, ior, thickness } = p.iridescence;
+    let Iridescence { factor, ior, thickness, least_thickness } = p.iridescence;
     if factor > 0.0 {
-        extensions["KHR_materials_iridescence"] = json!({
-            "iridescenceFactor": factor, "iridescenceIor": ior, "iridescenceThicknessMaximum": thickness,
-        });
+        put(
+            "KHR_materials_iridescence",
+            json!({
+                "iridescenceFactor": factor, "iridescenceIor": ior, "iridescenceThicknessMaximum": thickness,
+                "iridescenceThicknessMinimum": least_thickness,
+            }),
+            &[
+                ("iridescenceTexture", maps.iridescence),
+                ("iridescenceThicknessTexture", maps.iridescence_thickness),
+            ],
+        );
     }
     let DiffuseTransmission { factor, color } = p.diffuse_transmission;
     if factor > 0.0 {
-        extensions["KHR_materials_diffuse_transmission"] =
-            json!({ "diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": color });
+        put(
+            "KHR_materials_diffuse_transmission",
+            json!({ "diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": color }),
+            &[
+                ("diffuseTransmissionTexture", maps.diffuse_transmission),
+                ("diffuseTransmissionColorTexture", maps.diffuse_transmission_color),
+            ],
+        );
+    }
+    if p.clearcoat > 0.0 && maps.clearcoat_normal_scale != 1.0 {
+        let map = &mut extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"];
+        if map.is_object() {
+            map["scale"] = json!(maps.clearcoat_normal_scale);
+        }
+    }
+    if !p.thin && (p.transmission > 0.0 || p.diffuse_transmission.factor > 0.0) {
+        inside(&p.interior, extensions);
     }
 }
 
@@ -175,10 +240,13 @@ fn inside(interior: &Interior, extensions: &mut Value) {
 }
 
 fn set_texture(to: &mut Value, key: &str, texture: Option<TextureRef>) {
-    let Some(TextureRef { texture, uv_from_mesh }) = texture else {
+    let Some(TextureRef { texture, uv_from_mesh, set }) = texture else {
         return;
     };
     to[key] = json!({ "index": texture.0 });
+    if set == TexcoordSet::Second {
+        to[key]["texCoord"] = json!(1);
+    }
     if uv_from_mesh != [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] {
         to[key]["extensions"] = json!({ "KHR_texture_transform": transform(uv_from_mesh) });
     }

@@ -16,7 +16,7 @@ pub(super) enum BaseTexture {
     /// The material's texture is used as it is.
     AsIs(Option<TextureRef>),
     /// A new texture, and its transform.
-    Merged(Texture, [f32; 6]),
+    Merged(Texture, TextureRef),
     /// The two are laid out differently: the opacity's texture is left out.
     Lost(Option<TextureRef>),
 }
@@ -38,8 +38,9 @@ pub(super) fn base_texture(scene: &Scene, material: &Material, base: Option<Text
         return BaseTexture::AsIs(None);
     };
     let wrap_of = |used: TextureRef| scene.texture(used.texture).wrap;
-    let differs =
-        |other: TextureRef| other.uv_from_mesh != first.uv_from_mesh || wrap_of(other) != wrap_of(first);
+    let differs = |other: TextureRef| {
+        (other.uv_from_mesh, other.set) != (first.uv_from_mesh, first.set) || wrap_of(other) != wrap_of(first)
+    };
     if opacity.texture.is_some_and(differs) {
         return BaseTexture::Lost(base);
     }
@@ -51,7 +52,7 @@ pub(super) fn base_texture(scene: &Scene, material: &Material, base: Option<Text
         wrap: from.wrap,
         filter: from.filter,
     };
-    BaseTexture::Merged(merged, first.uv_from_mesh)
+    BaseTexture::Merged(merged, first)
 }
 
 fn is_opaque(texels: &Texels) -> bool {
