@@ -20,6 +20,7 @@ pub mod medium;
 pub mod mesh;
 pub mod motion;
 pub mod nesting;
+pub mod overrides;
 mod ray_mask;
 mod scene;
 mod shader_file;

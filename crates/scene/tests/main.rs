@@ -14,6 +14,7 @@ mod gltf;
 mod gltf_extensions;
 mod mutations;
 mod obj;
+mod overrides;
 mod ply;
 mod save;
 mod solids;

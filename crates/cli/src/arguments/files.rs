@@ -8,11 +8,12 @@ use clap::Args;
 use gnurt::LoadOptions;
 use gnurt::image::TileCache;
 use gnurt::scene::io::{UpAxis, VariantChoice};
+use gnurt::scene::overrides::Override;
 
 use super::value;
 use crate::failure::Failure;
 
-/// `--confine`, `--texture-memory`, `--variant`, `--subdivision`, `--up` and `--strict`.
+/// `--confine`, `--texture-memory`, `--variant`, `--subdivision`, `--up`, `--set` and `--strict`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FileArguments {
     /// Read files named by the scene (libraries, textures, buffers) only below this folder; links are followed
@@ -70,6 +71,17 @@ pub(crate) struct FileArguments {
     )]
     up: Option<UpAxis>,
 
+    /// Change a material, light or instance by its name (`*` = all): materials.gold.roughness=0.3,
+    /// lights.key.intensity=2, instances.chair.visible=false
+    #[arg(
+        long,
+        help_heading = "Scene",
+        hide_short_help = true,
+        value_name = "PART.NAME.PROPERTY=VALUE",
+        allow_hyphen_values = true
+    )]
+    set: Vec<Override>,
+
     /// Take warnings of the scene's files as errors
     #[arg(long, help_heading = "Scene", hide_short_help = true)]
     strict: bool,
@@ -80,8 +92,8 @@ impl FileArguments {
     pub(crate) fn options(&self) -> Result<LoadOptions, Failure> {
         let failed = |error| Failure::data(format_args!("--texture-memory: {error}"));
         let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;
-        let (confine, variants) = (self.confine.clone(), self.variant.clone());
+        let (confine, variants, overrides) = (self.confine.clone(), self.variant.clone(), self.set.clone());
         let Self { subdivision, strict, up, .. } = *self;
-        Ok(LoadOptions { confine, tiles, variants, subdivision, strict, up, at: None })
+        Ok(LoadOptions { confine, tiles, variants, overrides, subdivision, strict, up, at: None })
     }
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// Whose mistake an error is; programs choose their exit status by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
-    /// The caller's: a `builtin:` name that does not exist.
+    /// The caller's: a `builtin:` name that does not exist, or the name or value of a change.
     UnknownName,
     /// The caller's or the file's: a file that is not there, may not be read or written, or is no regular file.
     Io,

@@ -154,12 +154,23 @@ impl Formats {
         Ok(loaded)
     }
 
-    /// Loads `builtin:NAME` or else a scene file.
+    /// Loads `builtin:NAME` or else a scene file, and makes the changes of the options.
     ///
     /// # Errors
-    /// As [`load`](Self::load); unknown names of built-in scenes are [`ErrorKind::UnknownName`].
+    /// As [`load`](Self::load); unknown names of built-in scenes and of changes are [`ErrorKind::UnknownName`].
     pub fn load_source(&self, source: impl AsRef<OsStr>, options: &LoadOptions) -> Result<Loaded, Error> {
         let source = source.as_ref();
+        let mut loaded = self.load_unchanged(source, options)?;
+        for change in &options.overrides {
+            change.apply(&mut loaded.scene).map_err(|error| Error {
+                kind: ErrorKind::UnknownName,
+                ..Error::data(Path::new(source), None, error.to_string(), "")
+            })?;
+        }
+        Ok(loaded)
+    }
+
+    fn load_unchanged(&self, source: &OsStr, options: &LoadOptions) -> Result<Loaded, Error> {
         let Some(name) = source.to_str().and_then(|text| text.strip_prefix(BUILTIN_PREFIX)) else {
             return self.load(source, options);
         };

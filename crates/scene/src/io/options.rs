@@ -7,6 +7,7 @@ use gnurt_image::TileCache;
 
 use crate::affine::Affine;
 use crate::id::InstanceId;
+use crate::overrides::Override;
 use crate::scene::Scene;
 
 /// Permissions and limits of a scene while it is loaded.
@@ -23,6 +24,8 @@ pub struct LoadOptions {
     pub variants: Vec<VariantChoice>,
     /// How often subdivision surfaces are refined; `None` = [`subdivision::LEVEL`](crate::subdivision::LEVEL).
     pub subdivision: Option<u32>,
+    /// Changes by names, made once the scene is there.
+    pub overrides: Vec<Override>,
     /// Whether the first warning is an error.
     pub strict: bool,
     /// The axis that points upwards in files of formats that do not say (OBJ, PLY, STL); `None` = y.
