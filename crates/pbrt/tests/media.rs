@@ -65,7 +65,7 @@ fn subsurface_is_glass_around_a_medium() {
 
 #[test]
 fn odd_media_are_named() {
-    world_warned("MakeNamedMedium \"sky\" \"string type\" \"cloud\"\nShape \"sphere\"", &["\"cloud\""]);
+    world_warned("MakeNamedMedium \"sky\" \"string type\" \"cloud\"\nShape \"sphere\"", &["`cloud`"]);
     for (text, part) in [
         ("MakeNamedMedium \"a\" \"string type\" \"soup\"", "soup"),
         ("MakeNamedMedium \"a\"", "no \"string type\""),
@@ -75,7 +75,7 @@ fn odd_media_are_named() {
             "2 values for 1 cells",
         ),
         ("MakeNamedMedium \"a\" \"string type\" \"uniformgrid\" \"integer nx\" -4", "-4"),
-        ("MediumInterface \"b\" \"\"\nShape \"sphere\"", "no medium \"b\""),
+        ("MediumInterface \"b\" \"\"\nShape \"sphere\"", "no medium `b`"),
     ] {
         let (loaded, _folder) = read_with_files(&format!("WorldBegin\n{text}\n"), &[]);
         let error = loaded.expect_err("nonsense").to_string();

@@ -103,7 +103,9 @@ impl TileAovs {
             (0..3).for_each(|k| sum[k] += f64::from(direct[k]));
             sum[3] += 1.0;
         };
-        for lane in range.clone().filter(|&lane| camera.hits.prim_id[lane] == INVALID_ID) {
+        let is_veiled = |lane: usize| tracer.veiled.get(lane).copied().unwrap_or(false);
+        let is_missed = |&lane: &usize| camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane);
+        for lane in range.clone().filter(is_missed) {
             add(&mut self.missed[lane - first], radiance.get(lane));
         }
         tracer.for_each_surface_in(range, camera, AttributeRequests::Sides, |_, shader, lanes, points| {

@@ -104,16 +104,21 @@ impl TileFilm {
         blocks(self.rect).flat_map(rows)
     }
 
-    /// Adds one sample, that of `lanes`, to each pixel; returns how many of them were no numbers, and count as black.
-    pub(crate) fn add_sample(&mut self, radiance: &Vec3s, hits: &HitBatch, lanes: Range<usize>) -> u64 {
+    /// Adds one sample, that of `lanes`, to each pixel; media count as opaque in `veiled` lanes; returns how many of them were no numbers, and count as black.
+    pub(crate) fn add_sample(
+        &mut self,
+        radiance: &Vec3s,
+        (hits, veiled): (&HitBatch, &[bool]),
+        lanes: Range<usize>,
+    ) -> u64 {
         let mut bad = 0;
         let Vec3s { x, y, z } = radiance;
         let colors = x[lanes.clone()].iter().zip(&y[lanes.clone()]).zip(&z[lanes.clone()]);
-        let lanes = colors.zip(&hits.prim_id[lanes]);
-        let samples = lanes.map(|(((&x, &y), &z), &prim_id)| {
+        let samples = colors.zip(lanes).map(|(((&x, &y), &z), lane)| {
             let good = Vec3::new(x, y, z).is_finite();
             bad += u64::from(!good);
-            let opacity = f32::from(u8::from(prim_id != INVALID_ID));
+            let is_veiled = veiled.get(lane).copied().unwrap_or(false);
+            let opacity = f32::from(u8::from(is_veiled || hits.prim_id[lane] != INVALID_ID));
             // Negative zeros become positive, as in sums.
             if good { [x + 0.0, y + 0.0, z + 0.0, opacity] } else { [0.0, 0.0, 0.0, opacity] }
         });

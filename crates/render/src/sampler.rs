@@ -66,13 +66,16 @@ impl<'a> Sampler<'a> {
         let mut radiance = std::mem::take(&mut batch.radiance);
         let camera = batch.met();
         integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, &mut radiance);
+        // A pixel shader's rays have lanes of their own.
+        let veiled = std::mem::take(&mut tracer.veiled);
         pixels::show(self.job, self.pass, tracer, &batch, &mut radiance);
+        tracer.veiled = veiled;
         for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
             let lanes = first..first + pixels;
             if let Some(aovs) = &mut tile.aovs {
                 aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, &radiance);
             }
-            tracer.stats.bad_samples += tile.add_sample(&radiance, camera.hits, lanes);
+            tracer.stats.bad_samples += tile.add_sample(&radiance, (camera.hits, &tracer.veiled), lanes);
         }
         tracer.stats.camera_rays += camera.rays.len() as u64;
         tracer.stats.samples += camera.rays.len() as u64;
@@ -124,7 +127,7 @@ impl<'a> Sampler<'a> {
         }
         tile.costs.resize(split.costs.len(), 0);
         tile.costs.iter_mut().zip(&split.costs).for_each(|(sum, cost)| *sum += cost);
-        let bad_samples = tile.add_sample(&radiance, camera.hits, 0..camera.keys.len());
+        let bad_samples = tile.add_sample(&radiance, (camera.hits, &tracer.veiled), 0..camera.keys.len());
         let mut stats = tracer.take_stats();
         stats.add(&split.stats);
         stats.bad_samples += bad_samples;

@@ -78,6 +78,8 @@ pub(crate) struct BatchTracer<'w> {
     /// Directly visible light, lane by lane; empty if it is not requested, or if the integrator does not
     /// provide it.
     pub(crate) direct: Vec3s,
+    /// Lanes of the camera whose light a medium scattered before it met a surface; empty if there are no media.
+    pub(crate) veiled: Vec<bool>,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
     spare: Vec<Group>,
     /// Reused memory of the camera rays.
@@ -130,6 +132,7 @@ impl<'w> BatchTracer<'w> {
             cone: Cone::default(),
             record,
             direct: Vec3s::default(),
+            veiled: Vec::new(),
             spare: Vec::new(),
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),

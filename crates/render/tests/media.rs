@@ -194,6 +194,28 @@ fn furnaces_are_even() {
     }
 }
 
+/// The same light by an environment, which rays find that leave the scene.
+#[test]
+fn clouds_in_an_even_sky_are_not_seen() {
+    for sky in [EVERYWHERE, Extent::Around { centre: [0.0; 3], radius: 2.0 }] {
+        let mut scene = Scene::new();
+        scene.add_light(environment([1.0; 3]));
+        let phase = Phase { anisotropy: 0.5, ..Phase::default() };
+        scene.add_medium(Medium { scattering: [0.5, 1.0, 0.1], phase, extent: sky, ..Medium::default() });
+        let world = world_of(&scene, false);
+        let options = path(4096, 4000);
+        let view = camera([0.0, 0.0, -9.0], [0.0; 3], 0.001);
+        let picture = render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture;
+        if sky == EVERYWHERE {
+            near(mean(&picture), [0.0; 3], 1e-6, "nothing comes from infinitely far away");
+        } else {
+            near(mean(&picture), [1.0; 3], 0.01, "a ball of fog");
+            let alpha = picture.color.iter().map(|pixel| pixel[3]).sum::<f32>() / 16.0;
+            assert!((0.6..0.98).contains(&alpha), "fog covers: {alpha}");
+        }
+    }
+}
+
 /// A body in another replaces its medium; priorities choose where they overlap.
 #[test]
 fn bodies_nest_and_overlap() {

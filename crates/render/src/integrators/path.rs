@@ -11,7 +11,7 @@
 //! Tests: crates/render/tests/{path,agreement,references,lanes}.rs.
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, HitBatch, INVALID_ID, RayBatch};
+use gnurt_accel::{Coherence, HitBatch, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::left_after;
 use gnurt_shading::{SampleKey, Vec3s};
@@ -44,6 +44,7 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         wavefront.paths.begin_inside(media::inside_at(tracer, camera.rays, camera.keys));
         hits.clone_from(camera.hits);
         fly(tracer, (camera.rays, camera.keys), &mut hits, &mut wavefront, radiance);
+        wavefront.in_media.mark(camera.rays.len(), &mut tracer.veiled);
         step(tracer, HitLanes { hits: &hits, ..camera }, &mut wavefront, radiance);
     }
     for round in 1.. {
@@ -190,7 +191,7 @@ fn note_direct(tracer: &mut BatchTracer, radiance_only: &[u32], radiance: &Vec3s
 
 /// Radiance of paths that left the scene.
 fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, radiance: &mut Vec3s) {
-    let missed: Vec<usize> = (0..from.hits.len()).filter(|&i| from.hits.prim_id[i] == INVALID_ID).collect();
+    let missed: Vec<usize> = (0..from.hits.len()).filter(|&i| media::is_missed(from.hits, i)).collect();
     if missed.is_empty() || tracer.world.lights().environment.is_none() {
         return;
     }

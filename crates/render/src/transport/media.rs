@@ -59,6 +59,13 @@ pub(crate) struct MediumVertices {
 }
 
 impl MediumVertices {
+    /// Marks the lanes that they are of, among `count`.
+    pub(crate) fn mark(&self, count: usize, lanes: &mut Vec<bool>) {
+        lanes.clear();
+        lanes.resize(count, false);
+        self.numbers.iter().for_each(|&lane| lanes[lane as usize] = true);
+    }
+
     fn clear(&mut self) {
         self.numbers.clear();
         self.keys.clear();
@@ -66,6 +73,11 @@ impl MediumVertices {
         self.along.resize(0);
         self.phase.iter_mut().for_each(Vec::clear);
     }
+}
+
+/// Whether a ray left the scene: it neither hit a surface nor was scattered before.
+pub(crate) fn is_missed(hits: &HitBatch, i: usize) -> bool {
+    hits.prim_id[i] == INVALID_ID && !hits.t[i].is_finite()
 }
 
 /// Which bodies with media the origins of rays are in.
@@ -153,7 +165,8 @@ pub(crate) fn fly(
         }
         paths.throughput.set(i, flight.throughput);
         let Some((t, number)) = flight.scattered else { continue };
-        hits.prim_id[i] = INVALID_ID;
+        // No hit, and no miss either.
+        (hits.prim_id[i], hits.t[i]) = (INVALID_ID, t);
         let Phase { anisotropy: [first, second], second_share } = media.get(number).phase;
         vertices.numbers.push(i as u32);
         vertices.keys.push(key);
