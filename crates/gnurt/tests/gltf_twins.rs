@@ -101,9 +101,9 @@ fn bytes<const N: usize, T>(values: &[T], to: impl Fn(&T) -> [u8; N]) -> Vec<u8>
 
 const SIDE: usize = 9;
 
-/// Accessors: 0 positions, 1 normals, 2 first coordinates, 3 second ones, 4 triangles, 5 positions as doubles,
-/// 6 strips with restarts, 7 positions of 16 bits, 8 first coordinates of 16 bits, 9 second coordinates as
-/// first ones, 10 compressed positions, 11 compressed triangles, 12 places of instances, 13 first coordinates
+/// Accessors: 0 positions, 1 normals, 2 first coordinates, 3 second ones, 4 triangles, 5 positions as doubles.
+/// Then 6 strips with restarts, 7 positions of 16 bits, 8 first coordinates of 16 bits, 9 second coordinates.
+/// Then 10 compressed positions, 11 compressed triangles, 12 places of instances. Last 13 first coordinates
 /// twice as wide, 14 fans with restarts.
 fn data() -> Data {
     let mut data = Data::default();
@@ -111,10 +111,8 @@ fn data() -> Data {
     let n = grid.len();
     let float = |x: &f32| x.to_le_bytes();
     let at = |i: usize| i as f32 / 8.0;
-    let positions: Vec<f32> = grid
-        .iter()
-        .flat_map(|&(i, j)| [at(i) - 0.5, at(j) - 0.5, (i * j % 5) as f32 / 64.0])
-        .collect();
+    let positions: Vec<f32> =
+        grid.iter().flat_map(|&(i, j)| [at(i) - 0.5, at(j) - 0.5, (i * j % 5) as f32 / 64.0]).collect();
     let normals: Vec<f32> = grid.iter().flat_map(|_| [0.0, 0.0, 1.0]).collect();
     let first: Vec<f32> = grid.iter().flat_map(|&(i, j)| [at(i), 1.0 - at(j)]).collect();
     let second: Vec<f32> = grid.iter().flat_map(|&(i, j)| [1.0 - at(j), 0.5 * at(i)]).collect();
@@ -317,10 +315,7 @@ fn extensions_agree_with_their_twins() {
                 r#""sheenColorFactor":[1,1,1],"sheenRoughnessFactor":0.8,"sheenRoughnessTexture":{MAP}"#
             ),
         ),
-        extended(
-            "sheen",
-            &format!(r#""sheenColorFactor":[1,1,1],"sheenRoughnessFactor":{}"#, 0.8 * flat(3)),
-        ),
+        extended("sheen", &format!(r#""sheenColorFactor":[1,1,1],"sheenRoughnessFactor":{}"#, 0.8 * flat(3))),
     );
     pair(
         "transmission by red",
@@ -549,7 +544,10 @@ fn extensions_agree_with_their_twins() {
         let spread = (squares / (3 * pixels.len()) as f64).sqrt() / most;
         println!("{name}: means {off:.5}, pixels {spread:.5}");
         if !(off < 0.01 && spread < 0.03 && most > 0.0) {
-            _ = writeln!(wrong, "{name}: means differ by {off:.4}, pixels by {spread:.4}: {mean:?} {expected:?}");
+            _ = writeln!(
+                wrong,
+                "{name}: means differ by {off:.4}, pixels by {spread:.4}: {mean:?} {expected:?}"
+            );
         }
     }
     assert!(pairs.len() >= 30, "{} pairs", pairs.len());

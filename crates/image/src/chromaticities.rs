@@ -115,7 +115,8 @@ mod tests {
         let expected = [[0.6274, 0.3293, 0.0433], [0.0691, 0.9195, 0.0114], [0.0164, 0.0880, 0.8956]];
         close(REC709.to(&REC2020).expect("a matrix"), expected);
         // ACEScg to sRGB under Bradford's adaptation, as OpenColorIO's configurations have it.
-        let expected = [[1.70505, -0.62179, -0.08326], [-0.13026, 1.14080, -0.01055], [-0.02400, -0.12897, 1.15297]];
+        let expected =
+            [[1.70505, -0.62179, -0.08326], [-0.13026, 1.14080, -0.01055], [-0.02400, -0.12897, 1.15297]];
         close(ACES_CG.to(&REC709).expect("a matrix"), expected);
         let flat = Chromaticities { primaries: [[0.3, 0.3]; 3], ..REC709 };
         assert_eq!((flat.to(&REC709), REC709.to(&flat)), (None, None), "no space");

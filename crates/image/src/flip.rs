@@ -121,7 +121,7 @@ fn times(rows: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// What the eye resolves of the colours, in CIELAB.
+/// The colours as the eye resolves them, in CIELAB.
 fn filtered(opponent: &[[f64; 3]], size: [usize; 2], space: &Space) -> Colors {
     /// Sums of Gaussians for luminance, red-green and blue-yellow: heights and widths.
     const EYE: [[[f64; 2]; 2]; 3] =
@@ -164,7 +164,18 @@ fn features(opponent: &[[f64; 3]], size: [usize; 2]) -> Vec<[f64; 2]> {
         // Positive values sum up to 1, negative ones to -1.
         let sum = |sign: f64| values.iter().map(|x| (sign * x).max(0.0)).sum::<f64>();
         let (above, below) = (sum(1.0), sum(-1.0));
-        values.iter().map(|&x| if x > 0.0 { x / above } else if x < 0.0 { x / below } else { 0.0 }).collect()
+        values
+            .iter()
+            .map(|&x| {
+                if x > 0.0 {
+                    x / above
+                } else if x < 0.0 {
+                    x / below
+                } else {
+                    0.0
+                }
+            })
+            .collect()
     };
     let smooth = kernel(&gaussian);
     let edge = kernel(&|x| -x * gaussian(x));
@@ -179,9 +190,8 @@ fn features(opponent: &[[f64; 3]], size: [usize; 2]) -> Vec<[f64; 2]> {
 
 /// A plane convolved with a kernel along its rows and another along its columns; edges go on.
 fn convolved(plane: &[f64], [width, height]: [usize; 2], across: &[f64], down: &[f64]) -> Vec<f64> {
-    let clamped = |at: usize, k: usize, radius: usize, count: usize| {
-        (at + k).saturating_sub(radius).min(count - 1)
-    };
+    let clamped =
+        |at: usize, k: usize, radius: usize, count: usize| (at + k).saturating_sub(radius).min(count - 1);
     let mut rows = vec![0.0; plane.len()];
     let radius = across.len() / 2;
     for (from, to) in plane.chunks_exact(width).zip(rows.chunks_exact_mut(width)) {
@@ -211,7 +221,8 @@ mod tests {
         let mut a = Picture::new(w, h);
         for (i, pixel) in a.color.iter_mut().enumerate() {
             let (x, y) = (i as u32 % w, i as u32 / w);
-            let [r, g, b] = [x as f32 / (w - 1) as f32, y as f32 / (h - 1) as f32, ((x + y) % 16) as f32 / 15.0];
+            let [r, g, b] =
+                [x as f32 / (w - 1) as f32, y as f32 / (h - 1) as f32, ((x + y) % 16) as f32 / 15.0];
             *pixel = [r, g, b, 1.0];
         }
         let mut b = a.clone();

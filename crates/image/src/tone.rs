@@ -225,7 +225,10 @@ mod tests {
         let compressed = 1.0 - 0.0576 / 0.44;
         let grey = 1.0 - 1.0 / (0.15 * (0.96 - compressed) + 1.0);
         let low = 0.06 * compressed / 0.96;
-        close([1.0, 0.1, 0.1], [compressed, low + (compressed - low) * grey, low + (compressed - low) * grey]);
+        close(
+            [1.0, 0.1, 0.1],
+            [compressed, low + (compressed - low) * grey, low + (compressed - low) * grey],
+        );
     }
 
     #[test]
@@ -241,6 +244,9 @@ mod tests {
             assert_eq!(curve.name().parse::<ToneCurve>().ok(), Some(curve), "name of {curve}");
         }
         let message = "aces".parse::<ToneCurve>().expect_err("no such curve").to_string();
-        assert!(message.contains("clamp, reinhard, filmic, agx, neutral"), "valid names are listed: {message}");
+        assert!(
+            message.contains("clamp, reinhard, filmic, agx, neutral"),
+            "valid names are listed: {message}"
+        );
     }
 }

@@ -4,7 +4,9 @@
 use std::io::Cursor;
 
 use gnurt_image::chromaticities::{ACES_CG, Chromaticities, REC709};
-use gnurt_image::{Picture, PictureFormat, TexelData, WriteOptions, decode, decode_data_texture, decode_texture, encode};
+use gnurt_image::{
+    Picture, PictureFormat, TexelData, WriteOptions, decode, decode_data_texture, decode_texture, encode,
+};
 use image::codecs::{jpeg::JpegEncoder, png::PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use moxcms::ColorProfile;
@@ -58,9 +60,16 @@ fn profiles_are_applied_to_colours_alone() {
     close(texels[0], [215, 93, 31, 255], "a colour of P3");
     close(texels[1], [255, 0, 0, 128], "outside of sRGB, cut off; opacity stays");
     let srgb = png_with(Some(&ColorProfile::new_srgb()), &pixels, kind);
-    assert_eq!(bytes_of(&srgb), bytes_of(&png_with(None, &pixels, kind)), "sRGB changes nothing, not by rounding");
+    assert_eq!(
+        bytes_of(&srgb),
+        bytes_of(&png_with(None, &pixels, kind)),
+        "sRGB changes nothing, not by rounding"
+    );
     let data = decode_data_texture(&p3, "t").expect("data").data;
-    assert!(matches!(&data, TexelData::Linear8(texels) if texels[0] == [200, 100, 50, 255]), "numbers have no profile");
+    assert!(
+        matches!(&data, TexelData::Linear8(texels) if texels[0] == [200, 100, 50, 255]),
+        "numbers have no profile"
+    );
     let mut jpeg = Vec::new();
     let mut encoder = JpegEncoder::new_with_quality(&mut jpeg, 100);
     encoder.set_icc_profile(ColorProfile::new_display_p3().encode().expect("a profile")).expect("room");
@@ -106,7 +115,9 @@ fn photographs_stand_upright() {
 fn sixteen_bits_stay_sixteen_bits() {
     let values: Vec<u8> = [0_u16, 257, 30_000, 65_535].iter().flat_map(|x| x.to_ne_bytes()).collect();
     let file = png_with(None, &values, ExtendedColorType::L16);
-    let TexelData::Linear16(texels) = decode_texture(&file, "t").expect("a texture").data else { panic!("16 bits") };
+    let TexelData::Linear16(texels) = decode_texture(&file, "t").expect("a texture").data else {
+        panic!("16 bits")
+    };
     let expected = [0.0, 257.0, 30_000.0, 65_535.0].map(|x| gnurt_image::srgb::decode(x / 65_535.0));
     for (texel, expected) in texels.iter().zip(expected) {
         assert!((f32::from(texel[0]) / 65_535.0 - expected).abs() < 8e-6, "{texel:?}, {expected}");
@@ -119,7 +130,12 @@ fn chromaticities_of_exr_are_converted() {
     let color = [0.25_f32, 0.5, 0.75];
     let write = |space: Option<Chromaticities>| {
         let pixels = |_| (color[0], color[1], color[2]);
-        let layer = Layer::new((2, 2), LayerAttributes::default(), Encoding::UNCOMPRESSED, SpecificChannels::rgb(pixels));
+        let layer = Layer::new(
+            (2, 2),
+            LayerAttributes::default(),
+            Encoding::UNCOMPRESSED,
+            SpecificChannels::rgb(pixels),
+        );
         let mut image = Image::from_layer(layer);
         let point = |[x, y]: [f32; 2]| Vec2(x, y);
         image.attributes.chromaticities = space.map(|space| {

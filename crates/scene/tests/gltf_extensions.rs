@@ -16,7 +16,8 @@ fn load_with(body: &str, options: &LoadOptions) -> Result<Loaded, Error> {
     let data = r#""buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
 "bufferViews":[{"buffer":0,"byteLength":36}],
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"}]"#;
-    let images = format!(r#""images":[{{"uri":"data:;base64,{PIXEL}"}}],"textures":[{{"source":0}},{{"source":0}}]"#);
+    let images =
+        format!(r#""images":[{{"uri":"data:;base64,{PIXEL}"}}],"textures":[{{"source":0}},{{"source":0}}]"#);
     let json = format!(r#"{{"asset":{{"version":"2.0"}},{data},{images},{body}}}"#);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("t.gltf");
@@ -84,7 +85,8 @@ const VARIANTS: &str = r#""extensionsUsed":["KHR_materials_variants"],
 #[test]
 fn variants_choose_materials() {
     let chosen = |prim: &str, names: &[&str]| {
-        let choice = |name: &&str| VariantChoice { prim: prim.into(), set: "s".into(), variant: (*name).into() };
+        let choice =
+            |name: &&str| VariantChoice { prim: prim.into(), set: "s".into(), variant: (*name).into() };
         let options = LoadOptions { variants: names.iter().map(choice).collect(), ..LoadOptions::default() };
         let loaded = load_with(VARIANTS, &options).map_err(|error| error.to_string())?;
         let scene = loaded.scene;
@@ -106,7 +108,11 @@ fn specular_and_gloss_become_plastic() {
 {"extensions":{"KHR_materials_pbrSpecularGlossiness":{"glossinessFactor":0.5,"specularGlossinessTexture":{"index":0}}}}]"#,
     );
     let plain = principled(&loaded.scene.materials()[0]);
-    assert_eq!((plain.metallic, plain.roughness, plain.base_color.factor), (0.0, 0.25, [0.5, 0.25, 1.0]), "body");
+    assert_eq!(
+        (plain.metallic, plain.roughness, plain.base_color.factor),
+        (0.0, 0.25, [0.5, 0.25, 1.0]),
+        "body"
+    );
     assert_eq!(plain.specular_color, [1.0, 12.5, 25.0], "times the reflectance of plastic");
     let mapped = principled(&loaded.scene.materials()[1]);
     assert_eq!(mapped.roughness, 1.0, "all of it in the texture");

@@ -272,11 +272,18 @@ fn maps_of_roughness_and_metal_are_packed() {
     let loaded = gnurt_scene::io::load(folder.path().join("m.obj")).expect("a scene");
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let gnurt_scene::Surface::Principled(p) = &loaded.scene.materials()[1].surface else { panic!("layers") };
-    assert_eq!((p.metallic, p.roughness, p.clearcoat, p.clearcoat_roughness), (1.0, 1.0, 0.5, 1.0), "factors");
+    assert_eq!(
+        (p.metallic, p.roughness, p.clearcoat, p.clearcoat_roughness),
+        (1.0, 1.0, 0.5, 1.0),
+        "factors"
+    );
     let packed = loaded.scene.texture(p.metallic_roughness_texture.expect("a texture").texture);
     let texel = packed.texels.texel(0, 0);
     let close = |a: f32, b: f32| (a - b).abs() < 0.01;
     assert!(close(texel[1], 188.0 / 255.0) && close(texel[2], 137.0 / 255.0), "green and blue: {texel:?}");
     let maps = p.layer_textures;
-    assert!(maps.sheen_color.is_some() && maps.clearcoat_roughness.is_some() && maps.clearcoat.is_none(), "{maps:?}");
+    assert!(
+        maps.sheen_color.is_some() && maps.clearcoat_roughness.is_some() && maps.clearcoat.is_none(),
+        "{maps:?}"
+    );
 }

@@ -48,7 +48,10 @@ fn broken_solids_are_refused() {
     let message = |bytes: &[u8]| load_named("t.stl", bytes).expect_err("broken").to_string();
     assert!(message(b"").contains("no STL file"), "nothing");
     assert!(message(&[1; 90]).contains("cut off"), "fewer triangles than declared");
-    assert!(message(&TEXT.as_bytes()[..TEXT.find(" endloop").expect("there")]).contains("without an end"), "a text that was cut off");
+    assert!(
+        message(&TEXT.as_bytes()[..TEXT.find(" endloop").expect("there")]).contains("without an end"),
+        "a text that was cut off"
+    );
     let bad = TEXT.replacen("1 0 0", "1 x 0", 1);
     assert!(message(bad.as_bytes()).contains("t.stl:5: `vertex 1 x 0`"), "{}", message(bad.as_bytes()));
     let short = TEXT.replacen("  vertex 1 0 0\n", "", 1);
@@ -57,11 +60,12 @@ fn broken_solids_are_refused() {
 }
 
 /// A ZIP archive of stored parts.
-fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
+pub(crate) fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
     let (mut file, mut directory) = (Vec::new(), Vec::new());
     for (name, text) in parts {
         let offset = file.len() as u32;
-        let sizes = [&[0_u8; 4][..], &(text.len() as u32).to_le_bytes(), &(text.len() as u32).to_le_bytes()].concat();
+        let sizes =
+            [&[0_u8; 4][..], &(text.len() as u32).to_le_bytes(), &(text.len() as u32).to_le_bytes()].concat();
         let lengths = [&(name.len() as u16).to_le_bytes()[..], &[0; 2]].concat();
         file.extend(b"PK\x03\x04\x14\0\0\0\0\0\0\0\0\0");
         file.extend([&sizes[..], &lengths, name.as_bytes(), text.as_bytes()].concat());
@@ -75,7 +79,7 @@ fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
     file
 }
 
-const MODEL: &str = r##"<?xml version="1.0" encoding="UTF-8"?>
+pub(crate) const MODEL: &str = r##"<?xml version="1.0" encoding="UTF-8"?>
 <model unit="centimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">
 <resources>
 <basematerials id="5"><base name="red" displaycolor="#FF0000"/><base name="green" displaycolor="#00FF00FF"/></basematerials>
@@ -88,7 +92,8 @@ const MODEL: &str = r##"<?xml version="1.0" encoding="UTF-8"?>
 
 #[test]
 fn models_of_3mf_are_placed_upright_in_metres() {
-    let loaded = load_named("t.3mf", &archive(&[("[Content_Types].xml", "<x/>"), ("3D/3dmodel.model", MODEL)]));
+    let loaded =
+        load_named("t.3mf", &archive(&[("[Content_Types].xml", "<x/>"), ("3D/3dmodel.model", MODEL)]));
     let scene = loaded.expect("a model").scene;
     assert_eq!((scene.objects().len(), scene.instances().len()), (2, 1), "an assembly of one part");
     let found = corners(&scene);
@@ -141,4 +146,25 @@ fn another_axis_may_point_upwards() {
     }
     let error = load("a.gltf", Some(UpAxis::Z)).expect_err("glTF says it").to_string();
     assert!(error.contains("says itself which axis points upwards"), "{error}");
+}
+
+/// Coordinates of a map: single precision has steps of half a metre there.
+#[test]
+fn far_meshes_keep_their_shape() {
+    let corners =
+        [[4_649_776.1, 0.0, 500_000.2], [4_649_776.3, 0.0, 500_000.2], [4_649_776.1, 0.4, 500_000.2]];
+    let lines: String = corners.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let rows: String = corners.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n{rows}3 0 1 2\n"
+    );
+    for (name, text) in [("t.obj", format!("{lines}f 1 2 3\n")), ("t.ply", ply)] {
+        let scene = load_named(name, text.as_bytes()).expect("a triangle").scene;
+        let world = scene.instances()[0].world_from_object;
+        let mesh = &scene.meshes()[0];
+        for (position, corner) in mesh.positions.iter().zip(corners) {
+            let found = world.point(position.map(f64::from));
+            assert!((0..3).all(|k| (found[k] - corner[k]).abs() < 1e-4), "{name}: {found:?}, {corner:?}");
+        }
+    }
 }

@@ -290,7 +290,9 @@ impl LightArguments {
     /// Curve and exposure of this picture; the note reports a chosen exposure.
     pub(crate) fn display_options(self, picture: &Picture) -> (DisplayOptions, Option<String>) {
         match self.exposure {
-            ExposureChoice::Stops(exposure) => (DisplayOptions { tone: self.tone, exposure, file: self.file }, None),
+            ExposureChoice::Stops(exposure) => {
+                (DisplayOptions { tone: self.tone, exposure, file: self.file }, None)
+            }
             ExposureChoice::Auto => self.chosen(exposure_for(picture)),
         }
     }

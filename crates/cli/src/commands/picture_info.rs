@@ -74,10 +74,7 @@ fn range(picture: &Picture) -> [[f32; 3]; 2] {
         let found = finite.fold(start, pick);
         if found.is_finite() { found } else { 0.0 }
     };
-    [
-        [0, 1, 2].map(|k| of(k, f32::INFINITY, f32::min)),
-        [0, 1, 2].map(|k| of(k, f32::NEG_INFINITY, f32::max)),
-    ]
+    [[0, 1, 2].map(|k| of(k, f32::INFINITY, f32::min)), [0, 1, 2].map(|k| of(k, f32::NEG_INFINITY, f32::max))]
 }
 
 fn list(values: [f32; 3]) -> String {

@@ -91,7 +91,9 @@ fn show_view(
 ) -> Result<(DisplayOptions, Option<String>), Failure> {
     let light = light.suited(chosen.exposure_of(options.integrator));
     Ok(match light.exposure {
-        ExposureChoice::Stops(exposure) => (DisplayOptions { tone: light.tone, exposure, file: light.file }, None),
+        ExposureChoice::Stops(exposure) => {
+            (DisplayOptions { tone: light.tone, exposure, file: light.file }, None)
+        }
         ExposureChoice::Auto => {
             light.chosen(meter(&stage.world, &*chosen.rays, options, pool).map_err(Failure::usage)?)
         }

@@ -99,7 +99,9 @@ fn formats_keep_what_they_hold() {
         folder.gnurt(&format!("diff a.exr a.pfm --fail {most}")).success();
     }
     folder.gnurt("convert a.pfm a.png --bits 9").fails(2, "expected 8, 16 or 32");
-    folder.gnurt("convert a.pfm a.exr --compression zap").fails(2, "valid are: none, rle, zips, zip, piz, pxr24");
+    folder
+        .gnurt("convert a.pfm a.exr --compression zap")
+        .fails(2, "valid are: none, rle, zips, zip, piz, pxr24");
     for tone in ["agx", "neutral"] {
         folder.gnurt(&format!("convert a.pfm {tone}.png --tone {tone}")).success();
     }

@@ -37,7 +37,9 @@ impl Conversion {
         }
         let made = Self::Profile(Box::new(profile));
         let probes: Vec<u8> = (0..6_u8)
-            .flat_map(|i| (0..6_u8).flat_map(move |j| (0..6_u8).flat_map(move |k| [51 * i, 51 * j, 51 * k, 255])))
+            .flat_map(|i| {
+                (0..6_u8).flat_map(move |j| (0..6_u8).flat_map(move |k| [51 * i, 51 * j, 51 * k, 255]))
+            })
             .collect();
         let mut image = DynamicImage::ImageRgba8(image::RgbaImage::from_raw(216, 1, probes.clone())?);
         if !made.apply(&mut image) {
@@ -71,17 +73,20 @@ impl Conversion {
                 if is_of_grey && !is_grey {
                     return false;
                 }
-                let (from, options) = (if is_of_grey { Layout::Gray } else { Layout::Rgba }, TransformOptions::default());
+                let (from, options) =
+                    (if is_of_grey { Layout::Gray } else { Layout::Rgba }, TransformOptions::default());
                 let srgb = ColorProfile::new_srgb();
                 if is_wide {
-                    let Ok(transform) = profile.create_transform_16bit(from, &srgb, Layout::Rgba, options) else {
+                    let Ok(transform) = profile.create_transform_16bit(from, &srgb, Layout::Rgba, options)
+                    else {
                         return false;
                     };
                     let mut pixels = std::mem::take(image).into_rgba16();
                     rows(&mut pixels, is_of_grey, |from, to| transform.transform(from, to).is_ok());
                     *image = DynamicImage::ImageRgba16(pixels);
                 } else {
-                    let Ok(transform) = profile.create_transform_8bit(from, &srgb, Layout::Rgba, options) else {
+                    let Ok(transform) = profile.create_transform_8bit(from, &srgb, Layout::Rgba, options)
+                    else {
                         return false;
                     };
                     let mut pixels = std::mem::take(image).into_rgba8();

@@ -198,7 +198,8 @@ fn decode(
         RasterFormat::Png => {
             let (pixel_bytes, space) = png_chunks::check(source, length)?;
             let limits = alloc_limits(pixel_bytes, request.budget);
-            let space = space.filter(|_| request.is_color).and_then(|space| icc::Conversion::of_space(&space));
+            let space =
+                space.filter(|_| request.is_color).and_then(|space| icc::Conversion::of_space(&space));
             let request = Request { space, ..request };
             let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
             decode_within(decoder, Sidecar::pixels(0), format, request)

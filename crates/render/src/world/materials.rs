@@ -10,9 +10,9 @@ use gnurt_image::Weigh;
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::TexcoordSet;
 use gnurt_scene::{Material, Surface, TEXCOORD_1, TextureId};
-use gnurt_shading::{AttributeRequest, SurfaceShader};
 use gnurt_shading::bsdf::{Film, Principled as Bsdf};
 use gnurt_shading::materials as shading;
+use gnurt_shading::{AttributeRequest, SurfaceShader};
 
 use super::table::ShaderTable;
 use super::textures::Reading;
@@ -47,8 +47,7 @@ pub(super) fn shader(
 /// The request for the second texture coordinates, if a texture reads them: readers expect it as the first.
 fn second_texcoords(material: &Material) -> Vec<AttributeRequest> {
     let reads_them = material.textures().any(|(texture, _)| texture.set == TexcoordSet::Second);
-    let request =
-        || AttributeRequest { name: TEXCOORD_1.to_owned(), components: 2, default: vec![0.0; 2] };
+    let request = || AttributeRequest { name: TEXCOORD_1.to_owned(), components: 2, default: vec![0.0; 2] };
     // A shader of its own has requests of its own.
     let is_ours = !matches!(material.surface, Surface::Shader(_));
     (reads_them && is_ours).then(request).into_iter().collect()

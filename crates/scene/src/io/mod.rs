@@ -12,6 +12,7 @@ mod lines;
 mod loaded;
 mod obj;
 mod options;
+mod origin;
 mod ply;
 mod polygon;
 pub mod reader;
@@ -34,14 +35,8 @@ pub use warnings::{Oddity, Warning, Warnings};
 use crate::scene::Scene;
 
 /// The formats of this crate. A program that reads the formats of other crates too has a table with them.
-pub const FORMATS: Formats = Formats::new(&[
-    &obj::FORMAT,
-    &ply::FORMAT,
-    &gltf::TEXT,
-    &gltf::BINARY,
-    &stl::FORMAT,
-    &threemf::FORMAT,
-]);
+pub const FORMATS: Formats =
+    Formats::new(&[&obj::FORMAT, &ply::FORMAT, &gltf::TEXT, &gltf::BINARY, &stl::FORMAT, &threemf::FORMAT]);
 
 /// Loads a file of one of this crate's formats.
 ///

@@ -14,8 +14,13 @@ use super::text::Text;
 use super::{binary, lights, materials, prims};
 
 /// The writer.
-pub(crate) const WRITER: SceneWriter =
-    SceneWriter { save, companions: texture_files, has_materials: true, has_animations: false, is_whole: false };
+pub(crate) const WRITER: SceneWriter = SceneWriter {
+    save,
+    companions: texture_files,
+    has_materials: true,
+    has_animations: false,
+    is_whole: false,
+};
 
 fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();

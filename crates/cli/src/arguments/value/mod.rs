@@ -15,7 +15,9 @@ mod shader;
 mod usd;
 
 pub(crate) use bench::{batch, characters, columns, engine, instances, motion_case, ray_class, rounds};
-pub(crate) use display_values::{bits, compression, quality, DenoiserChoice, ExposureChoice, denoiser, display, exposure, filter, tone};
+pub(crate) use display_values::{
+    DenoiserChoice, ExposureChoice, bits, compression, denoiser, display, exposure, filter, quality, tone,
+};
 pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
 pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};
 pub(crate) use layers::{LayerList, layers};

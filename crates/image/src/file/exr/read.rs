@@ -169,7 +169,9 @@ fn to_rec709(found: &mut [Found], rows: &[[f32; 3]; 3]) {
             ChannelData::F32(values) => Some(values.clone()),
             ChannelData::U32(_) => None,
         };
-        let [Some(red), Some(green), Some(blue)] = [r, g, b].map(|i| floats(&found[i].data)) else { continue };
+        let [Some(red), Some(green), Some(blue)] = [r, g, b].map(|i| floats(&found[i].data)) else {
+            continue;
+        };
         for (i, row) in [r, g, b].into_iter().zip(rows) {
             let all = red.iter().zip(&green).zip(&blue);
             let mixed = all.map(|((r, g), b)| row[0] * r + row[1] * g + row[2] * b).collect();

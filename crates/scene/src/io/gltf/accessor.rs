@@ -154,7 +154,8 @@ impl<'a> Reader<'a> {
             return Ok(());
         };
         let index_type = ComponentType::of(sparse.indices.component_type);
-        let Some(index_type) = index_type.filter(|t| !matches!(t, ComponentType::F32 | ComponentType::F64)) else {
+        let Some(index_type) = index_type.filter(|t| !matches!(t, ComponentType::F32 | ComponentType::F64))
+        else {
             return Err(self.document.error(self.location, "sparse indices of an unknown type", ""));
         };
         let count = usize::try_from(sparse.count).unwrap_or(usize::MAX);

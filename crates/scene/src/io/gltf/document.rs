@@ -152,8 +152,9 @@ impl<'a> Document<'a> {
         }
         let chosen = variants::chosen(&document.root, &access.variants);
         document.variant = chosen.map_err(|(problem, remedy)| Error::data(path, None, problem, remedy))?;
-        document.has_restarts =
-            ["KHR_mesh_primitive_restart", "EXT_mesh_primitive_restart"].iter().any(|name| document.uses(name));
+        document.has_restarts = ["KHR_mesh_primitive_restart", "EXT_mesh_primitive_restart"]
+            .iter()
+            .any(|name| document.uses(name));
         if document.uses("EXT_meshopt_compression") || document.uses("KHR_meshopt_compression") {
             document.find_compressed()?;
         }

@@ -73,7 +73,9 @@ pub(in crate::io) fn path_of(part: FactorPart) -> String {
     if let Some((_, name)) = FACTORS.iter().find(|(known, _)| *known == part) {
         return (*name).to_owned();
     }
-    let all = TEXTURES.iter().flat_map(|(of, texture)| TRANSFORM.iter().map(move |(t, name)| (of(*t), texture, name)));
+    let all = TEXTURES
+        .iter()
+        .flat_map(|(of, texture)| TRANSFORM.iter().map(move |(t, name)| (of(*t), texture, name)));
     let mut all = all.filter(|(known, ..)| *known == part);
     all.next().map(|(_, texture, name)| format!("{texture}/{name}")).unwrap_or_default()
 }

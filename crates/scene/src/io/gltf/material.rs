@@ -27,7 +27,7 @@ use crate::layer_textures::LayerTextures;
 use crate::material::{Material, Principled, Surface};
 use crate::scene::Scene;
 use crate::shader_file::ShaderFile;
-use crate::texture::{Filter, Texels, TexcoordSet, Texture, Wrap};
+use crate::texture::{Filter, TexcoordSet, Texels, Texture, Wrap};
 
 /// A material of the scene, and which texture coordinates of the mesh it reads.
 #[derive(Clone, Copy)]

@@ -110,7 +110,8 @@ impl PrimitiveReader<'_> {
         };
         let positions = floats::<3>(self.document, positions, self.location)?;
         let count = positions.len();
-        let texcoords = |set: u32| attributes.texcoords.iter().find(|(n, _)| *n == set).map(|&(_, index)| index);
+        let texcoords =
+            |set: u32| attributes.texcoords.iter().find(|(n, _)| *n == set).map(|&(_, index)| index);
         let mut mesh = Mesh {
             positions,
             normals: self.optional::<3>(attributes.normals, count, warnings)?,
@@ -275,7 +276,8 @@ impl PrimitiveReader<'_> {
                 runs.flat_map(|run| run.windows(3).enumerate().map(turned)).collect()
             }
             Mode::Fan => {
-                let of_run = |run: &[u32]| run.windows(2).skip(1).map(|e| [e[0], e[1], run[0]]).collect::<Vec<_>>();
+                let of_run =
+                    |run: &[u32]| run.windows(2).skip(1).map(|e| [e[0], e[1], run[0]]).collect::<Vec<_>>();
                 runs.flat_map(of_run).collect()
             }
             Mode::Triangles => runs.flat_map(|run| run.chunks_exact(3).map(|t| [t[0], t[1], t[2]])).collect(),

@@ -346,7 +346,8 @@ mod tests {
     /// A stream of the file of streams, decoded.
     fn decoded(name: &str, count: usize, stride: usize, mode: &str, filter: &str) -> Vec<u8> {
         let streams = include_str!("../../../tests/data/meshopt.txt");
-        let line = streams.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')).expect("a stream");
+        let line =
+            streams.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')).expect("a stream");
         let byte = |pair: &[u8]| {
             u8::from_str_radix(std::str::from_utf8(pair).expect("digits"), 16).expect("two digits")
         };
@@ -440,7 +441,8 @@ mod tests {
             let x = k as f32;
             let expected = [x.sin(), (2.0 * x).cos(), 0.3 * x, 1.0 - x / 9.0];
             let length = expected.iter().map(|x| x * x).sum::<f32>().sqrt();
-            let found = [0, 1, 2, 3].map(|c| f32::from(i16::from_le_bytes([turn[2 * c], turn[2 * c + 1]])) / 32767.0);
+            let found =
+                [0, 1, 2, 3].map(|c| f32::from(i16::from_le_bytes([turn[2 * c], turn[2 * c + 1]])) / 32767.0);
             let cosine: f32 = (0..4).map(|c| found[c] * expected[c] / length).sum();
             assert!(cosine.abs() > 0.999, "rotation {k}: {found:?}, {expected:?}");
         }

@@ -25,7 +25,8 @@ pub(super) fn packed(
     }
     let texels = |map: Option<TextureRef>| map.map(|map| scene.texture(map.texture).texels.clone());
     let [rough, metal] = [rough, metal].map(texels);
-    let size = |of: fn(&Texels) -> u32| rough.iter().chain(&metal).map(|texels| of(texels)).max().unwrap_or(1);
+    let size =
+        |of: fn(&Texels) -> u32| rough.iter().chain(&metal).map(|texels| of(texels)).max().unwrap_or(1);
     let (width, height) = (size(|texels| texels.width), size(|texels| texels.height));
     let count = width as usize * height as usize;
     access.budget.hold(4 * count).map_err(|excess| excess.to_string())?;
@@ -52,7 +53,9 @@ pub(super) fn with_maps(
     layers: LayerTextures<TextureRef>,
 ) -> Surface {
     match &mut surface {
-        Surface::MetallicRoughness { metallic_roughness_texture, .. } => *metallic_roughness_texture = details,
+        Surface::MetallicRoughness { metallic_roughness_texture, .. } => {
+            *metallic_roughness_texture = details
+        }
         Surface::Principled(principled) => {
             principled.metallic_roughness_texture = details;
             principled.layer_textures = layers;

@@ -102,10 +102,13 @@ fn save(scene: &Scene, path: &Path, is_binary: bool, warnings: &mut Warnings) ->
     put("samplers", samplers);
     put("textures", textures);
     put("cameras", cameras);
-    put("scenes", vec![match nodes.roots.is_empty() {
-        true => json!({}),
-        false => json!({ "nodes": nodes.roots }),
-    }]);
+    put(
+        "scenes",
+        vec![match nodes.roots.is_empty() {
+            true => json!({}),
+            false => json!({ "nodes": nodes.roots }),
+        }],
+    );
     root["scene"] = 0.into();
     root["asset"] = json!({ "version": "2.0", "generator": gnurt_image::SOFTWARE });
     let has_lights = !nodes.lights.is_empty();

@@ -14,8 +14,7 @@ use crate::texture::{TexelData, Texels};
 /// Shaders, attributes and instances of a scene that no format holds.
 pub(in crate::io) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let is_named = |attribute: &&Attribute| attribute.name != TEXCOORD_1;
-    let attributes =
-        scene.meshes().iter().map(|mesh| mesh.attributes.iter().filter(is_named).count()).sum();
+    let attributes = scene.meshes().iter().map(|mesh| mesh.attributes.iter().filter(is_named).count()).sum();
     leave_out(attributes, "attribute of a mesh", path, warnings);
     let moves = |id: usize| {
         scene.animation().is_some_and(|a| a.instances.iter().any(|moving| moving.instance.index() == id))

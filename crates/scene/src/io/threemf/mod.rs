@@ -64,8 +64,13 @@ fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
         Some(root) => root,
         None => return Err(Error::data(path, None, "no model in the archive", "expected 3D/3dmodel.model")),
     };
-    let mut builder =
-        Builder { models: &models, path, scene: Scene::new(), made: HashMap::new(), materials: HashMap::new() };
+    let mut builder = Builder {
+        models: &models,
+        path,
+        scene: Scene::new(),
+        made: HashMap::new(),
+        materials: HashMap::new(),
+    };
     let model = &models[&root];
     let metres = model.metres_per_unit;
     // x, z, -y.

@@ -98,9 +98,8 @@ struct Reader {
 
 impl Reader {
     fn element(&mut self, e: &Element<'_>, access: &Access, mut lost: impl FnMut(&str)) -> Result<(), Fault> {
-        let hold = |bytes: usize| {
-            access.budget.hold(bytes).map_err(|excess| (excess.to_string(), Excess::REMEDY))
-        };
+        let hold =
+            |bytes: usize| access.budget.hold(bytes).map_err(|excess| (excess.to_string(), Excess::REMEDY));
         if !e.opens {
             match e.name {
                 "object" => self.close(),

@@ -110,7 +110,10 @@ mod tests {
         let text = "<?xml version='1.0'?>\n<!-- <no> -->\n<a:b x=\"1>2\" p:y = '3'>t<c/>\n</a:b>";
         let mut elements = Elements::new(text);
         let b = elements.next().expect("no fault").expect("an element");
-        assert_eq!((b.name, b.opens, b.closes, b.get("x"), b.get("y")), ("b", true, false, Some("1>2"), Some("3")));
+        assert_eq!(
+            (b.name, b.opens, b.closes, b.get("x"), b.get("y")),
+            ("b", true, false, Some("1>2"), Some("3"))
+        );
         assert_eq!(elements.line(), 3, "its line");
         let c = elements.next().expect("no fault").expect("an element");
         assert_eq!((c.name, c.opens, c.closes, c.get("z")), ("c", true, true, None), "an empty one");

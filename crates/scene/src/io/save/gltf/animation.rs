@@ -88,7 +88,10 @@ fn targets(animation: &Animation, nodes: &Nodes, target: Target, document: &mut 
                 LightPart::OuterAngle => "spot/outerConeAngle",
             };
             let light = nodes.light_factors.get(&factors);
-            pointer(document, light.map(|light| format!("/extensions/KHR_lights_punctual/lights/{light}/{part}")))
+            pointer(
+                document,
+                light.map(|light| format!("/extensions/KHR_lights_punctual/lights/{light}/{part}")),
+            )
         }
         Target::Material(moving, part) => {
             let material = animation.materials[moving as usize].material.0;

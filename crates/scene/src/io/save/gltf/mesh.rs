@@ -95,7 +95,8 @@ fn put_joints(mesh: &Mesh, body: &Body, attributes: &mut Map<String, Value>, buf
     let count = mesh.positions.len();
     let most = (0..count).map(|vertex| influences.of(vertex).len()).max().unwrap_or(0);
     for set in 0..most.div_ceil(4).max(1) {
-        let at = |vertex: usize, k: usize| influences.of(vertex).get(4 * set + k).copied().unwrap_or((0, 0.0));
+        let at =
+            |vertex: usize, k: usize| influences.of(vertex).get(4 * set + k).copied().unwrap_or((0, 0.0));
         let joints: Vec<[u16; 4]> = (0..count).map(|v| [0, 1, 2, 3].map(|k| at(v, k).0 as u16)).collect();
         let weights: Vec<[f32; 4]> = (0..count)
             .map(|v| {

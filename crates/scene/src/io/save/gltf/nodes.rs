@@ -47,9 +47,9 @@ impl Nodes {
         made.add_instances(scene, path)?;
         made.add_lights(scene, path, warnings);
         for (k, camera) in scene.cameras().iter().enumerate() {
-            let moving = scene.animation().and_then(|animation| {
-                animation.cameras.iter().find(|moving| moving.camera.index() == k)
-            });
+            let moving = scene
+                .animation()
+                .and_then(|animation| animation.cameras.iter().find(|moving| moving.camera.index() == k));
             let node = json!({ "name": camera.name, "camera": k });
             match moving {
                 Some(moving) => _ = made.add_at(node, &moving.attachment),
