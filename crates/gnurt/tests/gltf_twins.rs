@@ -542,7 +542,6 @@ fn extensions_agree_with_their_twins() {
         let squares = pixels.iter().flatten().zip(same.iter().flatten());
         let squares: f64 = squares.map(|(a, b)| f64::from(a - b).powi(2)).sum();
         let spread = (squares / (3 * pixels.len()) as f64).sqrt() / most;
-        println!("{name}: means {off:.5}, pixels {spread:.5}");
         if !(off < 0.01 && spread < 0.03 && most > 0.0) {
             _ = writeln!(
                 wrong,

@@ -47,7 +47,8 @@ pub fn flip(a: &Picture, b: &Picture) -> Result<Vec<f32>, Error> {
 
 /// Over black, within the range of a screen; NaN is black.
 fn screen([r, g, b, a]: [f32; 4]) -> [f64; 3] {
-    [r, g, b].map(|x| f64::from((x * a).max(0.0).min(1.0)))
+    // `max` answers the number where the other side is NaN.
+    [r, g, b].map(|x| f64::from(x * a).max(0.0)).map(|x| x.min(1.0))
 }
 
 fn difference(a: [f64; 3], b: [f64; 3], f: [f64; 2], g: [f64; 2], largest: f64) -> f64 {
@@ -87,7 +88,7 @@ impl Space {
     }
 
     /// The linear colour of them, within the range of a screen.
-    fn from_opponent(&self, [y, cx, cz]: [f64; 3]) -> [f64; 3] {
+    fn of_opponent(&self, [y, cx, cz]: [f64; 3]) -> [f64; 3] {
         let y = (y + 16.0) / 116.0;
         let relative = [y + cx / 500.0, y, y - cz / 200.0];
         let xyz = [0, 1, 2].map(|k| relative[k] * self.white[k]);
@@ -150,7 +151,7 @@ fn filtered(opponent: &[[f64; 3]], size: [usize; 2], space: &Space) -> Colors {
             out.iter_mut().zip(blurred).for_each(|(to, value)| to[channel] += weight / total * value);
         }
     }
-    out.into_iter().map(|color| space.lab(space.from_opponent(color))).collect()
+    out.into_iter().map(|color| space.lab(space.of_opponent(color))).collect()
 }
 
 /// How much of an edge and of a point each pixel is.

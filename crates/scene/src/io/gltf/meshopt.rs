@@ -20,8 +20,8 @@ const BLOCK: usize = 256;
 pub(super) fn length(view: &Meshopt<'_>) -> Result<usize, String> {
     let stride = usize::try_from(view.byte_stride).unwrap_or(usize::MAX);
     let is_right = match &*view.mode {
-        "ATTRIBUTES" => stride % 4 == 0 && (4..=256).contains(&stride),
-        "TRIANGLES" => [2, 4].contains(&stride) && view.count % 3 == 0,
+        "ATTRIBUTES" => stride.is_multiple_of(4) && (4..=256).contains(&stride),
+        "TRIANGLES" => [2, 4].contains(&stride) && view.count.is_multiple_of(3),
         "INDICES" => [2, 4].contains(&stride),
         other => return Err(format!("unknown mode {other}")),
     };
