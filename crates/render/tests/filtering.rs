@@ -156,6 +156,7 @@ fn bumps_too_fine_to_be_seen_make_metal_rougher() {
         model: Principled::new(Vec3::ONE, 1.0, 0.25, 1.5),
         anisotropy: shading::Anisotropy::default(),
         absorption: Vec3::ZERO,
+        layers: None,
     };
     let of = |weigh, spp| {
         let options = RenderOptions { max_depth: 2, ..options(8, 8, spp) };

@@ -402,7 +402,7 @@ mod tests {
         for (k, word) in (0..).zip(words.chunks_exact(4)) {
             seed = seed.wrapping_mul(1_103_515_245).wrapping_add(12345);
             let found = u32::from_le_bytes([word[0], word[1], word[2], word[3]]);
-            assert_eq!(found.wrapping_sub(k * 70000) < 16, true, "word {k}: {found}");
+            assert!(found.wrapping_sub(k * 70000) < 16, "word {k}: {found}");
         }
         for (k, found) in floats(&decoded("f", 400, 4, "ATTRIBUTES", "NONE")).into_iter().enumerate() {
             let expected = (k as f32 / 20.0).sin() * 100.0;
