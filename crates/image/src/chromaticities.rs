@@ -28,7 +28,7 @@ pub const ACES_CG: Chromaticities =
 /// Rows of the matrix that changes nothing.
 pub(crate) const IDENTITY: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-type Rows = [[f64; 3]; 3];
+pub(crate) type Rows = [[f64; 3]; 3];
 
 impl Chromaticities {
     /// Whether two are the same within the rounding of files.
@@ -46,6 +46,12 @@ impl Chromaticities {
         let rows = product(&inverse(&other.xyz()?)?, &adapted);
         let single = rows.map(|row| row.map(|x| x as f32));
         single.as_flattened().iter().all(|x| x.is_finite()).then_some(single)
+    }
+
+    /// Rows of the matrices to XYZ and back.
+    pub(crate) fn xyz_and_back(&self) -> Option<(Rows, Rows)> {
+        let xyz = self.xyz()?;
+        Some((xyz, inverse(&xyz)?))
     }
 
     /// XYZ of the primaries, in columns, whose sum is white of luminance 1.

@@ -9,6 +9,7 @@ mod error;
 mod exposure;
 mod file;
 mod filter;
+mod flip;
 mod heat;
 mod picture;
 mod pyramid;
@@ -32,6 +33,7 @@ pub use file::{
     read_stored, read_texture, replace_file, replace_file_if, write,
 };
 pub use filter::{Filter, FilterShape};
+pub use flip::flip;
 pub use heat::{heat_color, heat_map};
 pub use picture::{BACKGROUND, Channel, ChannelData, Layer, Opacity, Picture};
 pub use pyramid::Weigh;

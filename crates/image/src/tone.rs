@@ -76,7 +76,8 @@ const BRIGHTEST: f32 = 1e6;
 
 /// Light that is a number, not negative and not infinite.
 fn light(linear: [f32; 3]) -> [f32; 3] {
-    linear.map(|channel| channel.max(0.0).min(BRIGHTEST))
+    // `max` answers the number where the other side is NaN.
+    linear.map(|channel| channel.max(0.0)).map(|channel| channel.min(BRIGHTEST))
 }
 
 /// Rows of a matrix times a colour.
@@ -89,7 +90,7 @@ fn agx(linear: [f32; 3]) -> [f32; 3] {
     const INSET: [[f32; 3]; 3] = [
         [0.842_479_06, 0.078_433_6, 0.079_223_745],
         [0.042_328_242, 0.878_468_64, 0.079_166_13],
-        [0.042_375_656, 0.078_433_6, 0.879_142_97],
+        [0.042_375_656, 0.078_433_6, 0.879_143],
     ];
     const OUTSET: [[f32; 3]; 3] = [
         [1.196_879, -0.098_020_88, -0.099_029_74],

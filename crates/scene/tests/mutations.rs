@@ -77,6 +77,17 @@ fn mtl() {
 }
 
 #[test]
+fn stl() {
+    mutate("t.stl", &written("t.stl"));
+    mutate("t.stl", b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\nendsolid a\n");
+}
+
+#[test]
+fn threemf() {
+    mutate("t.3mf", &crate::solids::archive(&[("3D/3dmodel.model", crate::solids::MODEL)]));
+}
+
+#[test]
 fn ply() {
     mutate("t.ply", &written("t.ply"));
     mutate("t.ply", b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");

@@ -60,7 +60,7 @@ fn broken_solids_are_refused() {
 }
 
 /// A ZIP archive of stored parts.
-fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
+pub(crate) fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
     let (mut file, mut directory) = (Vec::new(), Vec::new());
     for (name, text) in parts {
         let offset = file.len() as u32;
@@ -79,7 +79,7 @@ fn archive(parts: &[(&str, &str)]) -> Vec<u8> {
     file
 }
 
-const MODEL: &str = r##"<?xml version="1.0" encoding="UTF-8"?>
+pub(crate) const MODEL: &str = r##"<?xml version="1.0" encoding="UTF-8"?>
 <model unit="centimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">
 <resources>
 <basematerials id="5"><base name="red" displaycolor="#FF0000"/><base name="green" displaycolor="#00FF00FF"/></basematerials>
@@ -146,4 +146,25 @@ fn another_axis_may_point_upwards() {
     }
     let error = load("a.gltf", Some(UpAxis::Z)).expect_err("glTF says it").to_string();
     assert!(error.contains("says itself which axis points upwards"), "{error}");
+}
+
+/// Coordinates of a map: single precision has steps of half a metre there.
+#[test]
+fn far_meshes_keep_their_shape() {
+    let corners =
+        [[4_649_776.1, 0.0, 500_000.2], [4_649_776.3, 0.0, 500_000.2], [4_649_776.1, 0.4, 500_000.2]];
+    let lines: String = corners.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let rows: String = corners.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n{rows}3 0 1 2\n"
+    );
+    for (name, text) in [("t.obj", format!("{lines}f 1 2 3\n")), ("t.ply", ply)] {
+        let scene = load_named(name, text.as_bytes()).expect("a triangle").scene;
+        let world = scene.instances()[0].world_from_object;
+        let mesh = &scene.meshes()[0];
+        for (position, corner) in mesh.positions.iter().zip(corners) {
+            let found = world.point(position.map(f64::from));
+            assert!((0..3).all(|k| (found[k] - corner[k]).abs() < 1e-4), "{name}: {found:?}, {corner:?}");
+        }
+    }
 }

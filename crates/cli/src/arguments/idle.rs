@@ -33,17 +33,25 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
             if arguments.output.as_deref().is_some_and(keeps_light) {
                 tell(&LOOK, KEEPS_LIGHT);
             }
+            of_file(arguments.output.as_deref().unwrap_or(Path::new("a.png")), &mut tell);
         }
         Command::View(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
         Command::Trace(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
-        Command::Join(arguments) if keeps_light(&arguments.output) => tell(&LOOK, KEEPS_LIGHT),
+        Command::Join(arguments) => {
+            if keeps_light(&arguments.output) {
+                tell(&LOOK, KEEPS_LIGHT);
+            }
+            of_file(&arguments.output, &mut tell);
+        }
         Command::Convert(arguments) if gnurt::FORMATS.of(&arguments.output).is_ok() => {
-            tell(&LOOK, "on scenes")
+            tell(&LOOK, "on scenes");
+            tell(&STORED, "on scenes");
         }
         Command::Convert(arguments) => {
             if keeps_light(&arguments.output) {
                 tell(&LOOK, KEEPS_LIGHT);
             }
+            of_file(&arguments.output, &mut tell);
             if !is_scene(&arguments.input) {
                 tell(&FILES, "on pictures, which name no other files");
             }
@@ -51,6 +59,25 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
         _ => {}
     }
     reported
+}
+
+/// Choices of how pictures are stored.
+const STORED: [(&str, &str); 3] =
+    [("bits", "--bits"), ("compression", "--compression"), ("quality", "--quality")];
+
+/// Choices that the format of a file does not have.
+fn of_file(path: &Path, tell: &mut impl FnMut(&[(&str, &str)], &str)) {
+    let Ok(format) = PictureFormat::from_path(path) else { return };
+    let [bits, compression, quality] = STORED;
+    if format != PictureFormat::PNG && format != PictureFormat::EXR {
+        tell(&[bits], "except on PNG and EXR");
+    }
+    if format != PictureFormat::EXR {
+        tell(&[compression], "except on EXR");
+    }
+    if format.name != "JPEG" {
+        tell(&[quality], "except on JPEG");
+    }
 }
 
 /// Options that an integrator ignores.

@@ -95,7 +95,7 @@ pub(crate) enum Command {
         mut_arg("spp", |spp| spp.default_value("1024").default_value_if("headless", "true", "1"))
     )]
     View(Box<WindowArguments>),
-    /// Print the contents of a scene
+    /// Print the contents of a scene or a picture
     #[command(args_override_self = true)]
     Info(InfoArguments),
     /// Compare two pictures: exit status 0 if equal, 1 if they differ, 2 if they cannot be compared
@@ -161,7 +161,7 @@ impl Command {
 /// Arguments of `info`.
 #[derive(Args, Debug)]
 pub(crate) struct InfoArguments {
-    /// Scene file ({SCENES}) or builtin:NAME
+    /// Scene file ({SCENES}), builtin:NAME or picture
     pub(crate) scene: OsString,
     /// Print one JSON object
     #[arg(long)]
@@ -192,6 +192,12 @@ pub(crate) struct DiffArguments {
     /// Largest absolute difference of a linear value that still passes
     #[arg(long, value_name = "T", value_parser = value::tolerance, allow_hyphen_values = true, default_value = "0")]
     pub(crate) fail: f64,
+    /// Also print FLIP, the mean difference that people see on a screen: 0 = none to 1
+    #[arg(long)]
+    pub(crate) flip: bool,
+    /// Write a picture of the differences ({PICTURES}): absolute ones, or with --flip those that people see
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) verbosity_arguments: VerbosityArguments,
 }

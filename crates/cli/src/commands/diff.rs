@@ -2,16 +2,17 @@
 //! `gnurt diff A B`: how much two pictures differ, and whether that is too much.
 //! Source: after `idiff` of OpenImageIO. `--fail T` bounds the largest absolute difference of a linear value.
 //! Opacity counts only between two PNG or two EXR files: a PNG is opaque where an EXR has the share of hits,
-//! and the other formats have none. With `-q` only different pictures are reported. Tests:
+//! and the other formats have none. `-o` writes a picture of the differences, `--flip` measures those that people see. With `-q` only different pictures are reported. Tests:
 //! `tests/program/differences.rs`.
 
 use std::path::Path;
 
-use gnurt::image::{self, Comparison};
+use gnurt::image::{self, Comparison, Picture};
 
-use crate::arguments::DiffArguments;
+use crate::arguments::{DiffArguments, DisplayOptions};
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
+use crate::output::Output;
 
 /// Compares.
 pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
@@ -20,14 +21,38 @@ pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
     let comparison = image::compare(&a, &b).map_err(|error| {
         Failure::usage(format_args!("{}, {}: {error}", arguments.a.display(), arguments.b.display()))
     })?;
+    let seen = arguments.flip.then(|| image::flip(&a, &b)).transpose().map_err(Failure::usage)?;
+    if let Some(path) = &arguments.output {
+        let output = Output::named(path)?;
+        output.spare(&[arguments.a.clone(), arguments.b.clone()])?;
+        output.check()?;
+        output.write(&differences(&a, &b, seen.as_deref()), DisplayOptions::default())?;
+    }
     let both_are = |format: &str| has_extension(&arguments.a, format) && has_extension(&arguments.b, format);
     let with_opacity = both_are("png") || both_are("exr");
     messages.detail(if with_opacity { "opacity counts" } else { "opacity does not count" });
     let passes = passes(&comparison, arguments.fail, with_opacity);
     if !(passes && messages.is_quiet()) {
         print(comparison.to_string().trim_end())?;
+        if let Some(seen) = &seen {
+            let mean = seen.iter().map(|&x| f64::from(x)).sum::<f64>() / seen.len() as f64;
+            print(format_args!("{:<22} {mean:.6}", "FLIP"))?;
+        }
     }
     if passes { Ok(()) } else { Err(Failure::Differs) }
+}
+
+/// A picture of the differences: as false colours where they are those that people see, else as they are.
+fn differences(a: &Picture, b: &Picture, seen: Option<&[f32]>) -> Picture {
+    let mut picture = Picture::new(a.width, a.height);
+    for (i, pixel) in picture.color.iter_mut().enumerate() {
+        let [r, g, b] = match seen {
+            Some(seen) => image::heat_color(seen[i]),
+            None => [0, 1, 2].map(|k| (a.color[i][k] - b.color[i][k]).abs()),
+        };
+        *pixel = [r, g, b, 1.0];
+    }
+    picture
 }
 
 /// Whether no value differs by more than `tolerance`; a tolerance of 0 requires equal bits.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt info SCENE`: the contents of a scene, as a table or as JSON. Triangles and vertices count once per
+//! `gnurt info FILE`: the contents of a scene or of a picture, as a table or as JSON. Triangles and vertices count once per
 //! mesh; `instanced` counts them once per instance.
 //! Tests: `tests/program/info.rs`.
 
 use std::fmt::Write;
+use std::path::Path;
 use std::sync::Arc;
 
 use gnurt::defaults::{Bounds, bounds_of};
@@ -13,7 +14,7 @@ use gnurt::scene::{Animation, Light, Mesh, Scene};
 use gnurt_view::camera_options;
 use serde_json::{Value, json};
 
-use super::contents;
+use super::{contents, picture_info};
 use crate::arguments::InfoArguments;
 use crate::clips::clip;
 use crate::environment::Environment;
@@ -25,6 +26,10 @@ use gnurt::memory::format_bytes as bytes;
 
 /// Prints the contents of a scene.
 pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages: Messages) -> Outcome {
+    let path = Path::new(&arguments.scene);
+    if gnurt::image::PictureFormat::is_named_any(path) && path.exists() {
+        return picture_info::run(path, arguments.json);
+    }
     let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let source = arguments.at.map_or_else(|| source.clone(), |seconds| source.at_moment(seconds));
     let mut scene = source.load(messages)?;

@@ -12,6 +12,7 @@ mod frame;
 pub(crate) mod info;
 pub(crate) mod join;
 pub(crate) mod manuals;
+mod picture_info;
 mod pieces;
 pub(crate) mod render;
 pub(crate) mod scenes;

@@ -187,7 +187,7 @@ fn outputs() {
         ("render ok.obj -o picture", 2, "unknown picture format"),
         ("render ok.obj -o picture.", 2, "unknown picture format"),
         ("render ok.obj -o picture.pgn", 2, "did you mean '.png'?"),
-        ("render ok.obj -o picture.jpg", 2, "valid are: .png, .exr, .hdr, .pfm"),
+        ("render ok.obj -o picture.tga", 2, "valid are: .png, .exr, .hdr, .pfm"),
         ("render ok.obj -o .png", 2, "unknown picture format"),
         ("render ok.obj -o ok.obj", 2, "unknown picture format '.obj'"),
         ("render missing.obj -o picture.tif", 2, "unknown picture format"),

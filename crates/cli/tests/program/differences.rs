@@ -63,3 +63,48 @@ fn renderings_are_told_apart() {
     }
     folder.gnurt("diff in.exr in.pfm --fail 0.01").success();
 }
+
+#[test]
+fn differences_are_drawn_and_weighed() {
+    let folder = Folder::new();
+    for (name, value) in [("a", 0.5), ("b", 0.75)] {
+        folder.write(&format!("{name}.pfm"), pixel(value));
+    }
+    let run = folder.gnurt("diff a.pfm b.pfm --flip -o seen.png");
+    assert_eq!(run.status, Some(1), "they differ: {}", run.stderr);
+    let flip = run.stdout.lines().find_map(|line| line.strip_prefix("FLIP")).expect("a line");
+    assert!(flip.trim().parse::<f64>().is_ok_and(|flip| flip > 0.05 && flip < 1.0), "{flip}");
+    assert!(folder.at("seen.png").exists(), "false colours");
+    folder.gnurt("diff a.pfm b.pfm -o by.pfm --fail 1").success();
+    folder.write("quarter.pfm", pixel(0.25));
+    folder.gnurt("diff by.pfm quarter.pfm").success();
+    folder.gnurt("diff a.pfm b.pfm -o a.pfm").fails(2, "would be lost");
+}
+
+#[test]
+fn formats_keep_what_they_hold() {
+    let folder = Folder::new();
+    folder.write("a.pfm", pixel(0.123_456));
+    folder.gnurt("convert a.pfm a.png --bits 16").success();
+    folder.gnurt("diff a.png a.pfm --fail 0.00002").success();
+    folder.gnurt("convert a.pfm b.png").success();
+    assert_eq!(folder.gnurt("diff b.png a.pfm --fail 0.00002").status, Some(1), "bytes are coarser");
+    folder.gnurt("convert a.pfm a.jpg --quality 100").success();
+    folder.gnurt("diff a.jpg a.pfm --fail 0.01").success();
+    folder.gnurt("convert a.pfm a.webp").success();
+    folder.gnurt("diff a.webp b.png").success();
+    for compression in ["none", "rle", "zips", "zip", "piz", "pxr24"] {
+        folder.gnurt(&format!("convert a.pfm a.exr --bits 32 --compression {compression}")).success();
+        let most = if compression == "pxr24" { 1e-5 } else { 0.0 };
+        folder.gnurt(&format!("diff a.exr a.pfm --fail {most}")).success();
+    }
+    folder.gnurt("convert a.pfm a.png --bits 9").fails(2, "expected 8, 16 or 32");
+    folder
+        .gnurt("convert a.pfm a.exr --compression zap")
+        .fails(2, "valid are: none, rle, zips, zip, piz, pxr24");
+    for tone in ["agx", "neutral"] {
+        folder.gnurt(&format!("convert a.pfm {tone}.png --tone {tone}")).success();
+    }
+    let run = folder.gnurt("convert a.pfm a.png --quality 50").success();
+    assert!(run.stderr.contains("--quality has no effect except on JPEG"), "{}", run.stderr);
+}

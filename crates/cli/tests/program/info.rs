@@ -62,3 +62,18 @@ fn scenes_are_listed() {
     let run = Folder::new().gnurt("scenes").success();
     assert!(run.stdout.lines().count() >= 3 && run.stdout.contains("builtin:cornell"), "{}", run.stdout);
 }
+
+#[test]
+fn pictures_are_listed() {
+    let folder = Folder::new();
+    folder.write("a.pfm", samples::pfm());
+    folder.gnurt("convert a.pfm a.exr").success();
+    let run = folder.gnurt("info a.exr --json").success();
+    let info: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON alone on standard output");
+    assert!(info["width"].is_u64() && info["height"].is_u64() && info["layers"].is_array(), "{info}");
+    assert!(info["greatest"][0].as_f64().is_some_and(|x| x > 1.0), "{info}");
+    let run = folder.gnurt("info a.exr").success();
+    assert!(run.stdout.contains("size") && run.stdout.contains("linear"), "{}", run.stdout);
+    folder.write("broken.exr", b"v/1\x01");
+    folder.gnurt("info broken.exr").fails(1, "broken.exr");
+}

@@ -66,6 +66,12 @@ impl PictureFormat {
         named.ok_or_else(|| Error::UnknownExtension { path: path.into(), valid: Self::written_extensions() })
     }
 
+    /// Whether the name of a file ends in the extension of a format, in upper or lower case.
+    #[must_use]
+    pub fn is_named_any(path: &Path) -> bool {
+        Self::ALL.iter().any(|format| format.is_named(path))
+    }
+
     fn is_named(&self, path: &Path) -> bool {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         self.extensions.iter().any(|known| known.eq_ignore_ascii_case(extension))

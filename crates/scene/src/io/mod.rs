@@ -12,6 +12,7 @@ mod lines;
 mod loaded;
 mod obj;
 mod options;
+mod origin;
 mod ply;
 mod polygon;
 pub mod reader;

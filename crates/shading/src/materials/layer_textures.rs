@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures of the layers of glTF's surface, and the surface that they make at a point.
 //! Source: KHR_materials_{clearcoat, diffuse_transmission, iridescence, sheen, specular, transmission}.
-//! Tests: crates/render/tests/layer_textures.rs.
+//! Tests: crates/gnurt/tests/gltf_twins.rs.
 
 use glam::Vec3;
 
 use crate::batch::SurfaceBatch;
 use crate::bsdf::Principled;
-use crate::materials::metallic_roughness::NormalMap;
+use crate::materials::normal_map::NormalMap;
 use crate::texture::TextureSampler;
 
 /// One channel of a texture.

@@ -41,8 +41,11 @@ const FACTORS: &[(FactorPart, &str)] = &[
     ),
 ];
 
+/// A part of a texture's transform as a part of the material.
+type OfTexture = fn(TexturePart) -> FactorPart;
+
 /// Textures with a transform, and their paths below a material.
-const TEXTURES: &[(fn(TexturePart) -> FactorPart, &str)] = &[
+const TEXTURES: &[(OfTexture, &str)] = &[
     (FactorPart::BaseTexture, "pbrMetallicRoughness/baseColorTexture"),
     (FactorPart::MetallicRoughnessTexture, "pbrMetallicRoughness/metallicRoughnessTexture"),
     (FactorPart::NormalTexture, "normalTexture"),

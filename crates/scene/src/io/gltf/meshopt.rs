@@ -20,8 +20,8 @@ const BLOCK: usize = 256;
 pub(super) fn length(view: &Meshopt<'_>) -> Result<usize, String> {
     let stride = usize::try_from(view.byte_stride).unwrap_or(usize::MAX);
     let is_right = match &*view.mode {
-        "ATTRIBUTES" => stride % 4 == 0 && (4..=256).contains(&stride),
-        "TRIANGLES" => [2, 4].contains(&stride) && view.count % 3 == 0,
+        "ATTRIBUTES" => stride.is_multiple_of(4) && (4..=256).contains(&stride),
+        "TRIANGLES" => [2, 4].contains(&stride) && view.count.is_multiple_of(3),
         "INDICES" => [2, 4].contains(&stride),
         other => return Err(format!("unknown mode {other}")),
     };
@@ -402,7 +402,7 @@ mod tests {
         for (k, word) in (0..).zip(words.chunks_exact(4)) {
             seed = seed.wrapping_mul(1_103_515_245).wrapping_add(12345);
             let found = u32::from_le_bytes([word[0], word[1], word[2], word[3]]);
-            assert_eq!(found.wrapping_sub(k * 70000) < 16, true, "word {k}: {found}");
+            assert!(found.wrapping_sub(k * 70000) < 16, "word {k}: {found}");
         }
         for (k, found) in floats(&decoded("f", 400, 4, "ATTRIBUTES", "NONE")).into_iter().enumerate() {
             let expected = (k as f32 / 20.0).sin() * 100.0;

@@ -27,7 +27,6 @@ use super::lines::LogicalLines;
 use super::save::obj as save;
 use super::source::{self, Access};
 use super::{Error, Loaded, Warnings};
-use crate::affine::Affine;
 use crate::scene::Scene;
 
 /// The format.
@@ -53,7 +52,7 @@ fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     access.budget.add_file(length);
     let lines = LogicalLines::new(BufReader::with_capacity(1 << 16, file.take(length)), path);
     let mut warnings = Warnings::default();
-    let Statements { lists, parts, library, .. } =
+    let Statements { lists, parts, library, origin, .. } =
         Statements::read(lines, path, length, access, &mut warnings)?;
 
     let mut scene = Scene::new();
@@ -64,7 +63,7 @@ fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     if !meshes.is_empty() {
         let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         let object = scene.add_object_of(name, meshes);
-        scene.instantiate(object, Affine::IDENTITY);
+        scene.instantiate(object, origin.file_from_mesh());
     }
     let mut files = vec![path.to_owned()];
     files.extend(library.read);

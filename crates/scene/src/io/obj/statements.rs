@@ -12,6 +12,7 @@ use super::mtl::Library;
 use super::parts::{Corner, Lists, NONE, Parts};
 use crate::io::error::quoted;
 use crate::io::lines::LogicalLines;
+use crate::io::origin::Origin;
 use crate::io::polygon::Cutter;
 use crate::io::source::Access;
 use crate::io::{Error, Oddity, Warnings};
@@ -36,6 +37,8 @@ pub(super) struct Statements<'a> {
     held: usize,
     corners: Vec<Corner>,
     cutter: Cutter,
+    /// Of the positions.
+    pub(super) origin: Origin,
 }
 
 impl<'a> Statements<'a> {
@@ -59,6 +62,7 @@ impl<'a> Statements<'a> {
             held: 0,
             corners: Vec::new(),
             cutter: Cutter::for_file(length),
+            origin: Origin::default(),
         };
         while let Some((line, text)) = lines.next()? {
             counts.statement(&Location { path, line }, text, warnings)?;
@@ -128,10 +132,10 @@ impl<'a> Statements<'a> {
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
         const REMEDY: &str = "expected `v X Y Z`, `v X Y Z W` or `v X Y Z R G B`";
-        let mut numbers = [1.0_f32; 6];
+        let mut numbers = [1.0_f64; 6];
         let mut count = 0;
         for token in values(rest).take(7) {
-            let x = number(token)
+            let x = double(token)
                 .ok_or_else(|| location.error(format!("bad number {}", quoted(token)), REMEDY))?;
             if let Some(slot) = numbers.get_mut(count) {
                 *slot = x;
@@ -142,6 +146,7 @@ impl<'a> Statements<'a> {
             return Err(location.error(format!("a vertex of {count} numbers"), REMEDY));
         }
         let [x, y, z, r, g, b] = numbers;
+        let [r, g, b] = [r, g, b].map(|channel| channel as f32);
         let lists = &mut self.lists;
         if lists.positions.len() >= NONE as usize {
             return Err(location.error("more than 2^32 - 1 vertices".into(), "divide the file"));
@@ -155,7 +160,7 @@ impl<'a> Statements<'a> {
             }
             lists.colors.push(if count < 6 { [1.0; 3] } else { [r, g, b] });
         }
-        lists.positions.push([x, y, z]);
+        lists.positions.push(self.origin.place([x, y, z]));
         Ok(())
     }
 
@@ -214,12 +219,17 @@ fn values(rest: &str) -> impl Iterator<Item = &str> {
 }
 
 /// A number as C programs print it; those of Microsoft's `1.#IND` kind are NaN.
-fn number(token: &str) -> Option<f32> {
+fn double(token: &str) -> Option<f64> {
     match token.parse() {
         Ok(x) => Some(x),
-        Err(_) if token.contains(".#") || token.trim_start_matches('-').starts_with("nan(") => Some(f32::NAN),
+        Err(_) if token.contains(".#") || token.trim_start_matches('-').starts_with("nan(") => Some(f64::NAN),
         Err(_) => None,
     }
+}
+
+/// The same in single precision.
+fn number(token: &str) -> Option<f32> {
+    double(token).map(|x| x as f32)
 }
 
 /// `vt` and `vn`: a missing or invalid number becomes 0, which means no value.

@@ -11,6 +11,7 @@ use super::columns::{Columns, Slot, Vertex};
 use super::header::{Element, Encoding, Header, Property, Scalar};
 use super::numbers::{Fault, Numbers};
 use crate::io::error::quoted;
+use crate::io::origin::Origin;
 use crate::io::polygon::Cutter;
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
@@ -24,7 +25,7 @@ pub(super) fn read(
     input: &mut impl BufRead,
     header: &Header,
     path: &Path,
-    budget: &Budget,
+    (budget, origin): (&Budget, &mut Origin),
     warnings: &mut Warnings,
 ) -> Result<Mesh, Error> {
     let numbers = Numbers::new(input, header.encoding, header.lines);
@@ -38,6 +39,7 @@ pub(super) fn read(
         vertices,
         corners: Vec::new(),
         cutter: Cutter::for_file(header.body_bytes),
+        origin,
         held: 0,
     };
     for element in &header.elements {
@@ -91,6 +93,7 @@ struct Body<'a, R> {
     /// Of one face.
     corners: Vec<i64>,
     cutter: Cutter,
+    origin: &'a mut Origin,
     /// Bytes of triangles and corners charged to the budget.
     held: usize,
 }
@@ -166,7 +169,7 @@ impl<R: BufRead> Body<'_, R> {
             let (vertex, is_whole) = read.map_err(|fault| self.fault(fault, element, index))?;
             self.note_short(is_whole);
             let mesh = &mut self.mesh;
-            mesh.positions.push(vertex.position);
+            mesh.positions.push(self.origin.place(vertex.position));
             mesh.normals.extend(columns.normals.then_some(vertex.normal));
             mesh.texcoords.extend(columns.texcoords.then_some(vertex.texcoord));
             mesh.colors.extend(columns.colors.then_some(vertex.color));

@@ -71,7 +71,7 @@ impl Columns {
 /// A vertex: an attribute that is not in the file keeps its neutral value.
 #[derive(Clone, Copy)]
 pub(super) struct Vertex {
-    pub(super) position: [f32; 3],
+    pub(super) position: [f64; 3],
     pub(super) normal: [f32; 3],
     pub(super) texcoord: [f32; 2],
     pub(super) color: [f32; 4],
@@ -83,7 +83,7 @@ impl Vertex {
 
     pub(super) fn set(&mut self, slot: Slot, value: f64, of_type: Scalar) {
         match slot {
-            Slot::Position(k) => self.position[k] = value as f32,
+            Slot::Position(k) => self.position[k] = value,
             Slot::Normal(k) => self.normal[k] = value as f32,
             Slot::Texcoord(k) => self.texcoord[k] = value as f32,
             Slot::Color(3) => self.color[3] = fraction(value, of_type),

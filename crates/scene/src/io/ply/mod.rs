@@ -20,10 +20,10 @@ use std::path::Path;
 
 use super::clean::clean;
 use super::format::{Format, SceneWriter};
+use super::origin::Origin;
 use super::save::ply as save;
 use super::source::{self, Access};
 use super::{Error, Loaded, Oddity, Warnings};
-use crate::affine::Affine;
 use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
@@ -54,7 +54,7 @@ pub(super) const FORMAT: Format = Format {
 /// If the file cannot be read.
 pub fn read_mesh(path: &Path, access: &Access, warnings: &mut Warnings) -> Result<Mesh, Error> {
     let (file, length) = access.open(path)?;
-    mesh_of(file, length, path, access, warnings)
+    mesh_of(file, length, path, (access, &mut Origin::FIXED.clone()), warnings)
 }
 
 /// The same of a PLY file in memory; `path` is for messages.
@@ -67,21 +67,21 @@ pub fn read_mesh_from(
     access: &Access,
     warnings: &mut Warnings,
 ) -> Result<Mesh, Error> {
-    mesh_of(bytes, bytes.len() as u64, path, access, warnings)
+    mesh_of(bytes, bytes.len() as u64, path, (access, &mut Origin::FIXED.clone()), warnings)
 }
 
 fn mesh_of(
     file: impl std::io::Read,
     length: u64,
     path: &Path,
-    access: &Access,
+    (access, origin): (&Access, &mut Origin),
     warnings: &mut Warnings,
 ) -> Result<Mesh, Error> {
     access.budget.add_file(length);
     let mut input = BufReader::with_capacity(1 << 16, std::io::Read::take(file, length));
     let header = header::read(&mut input, length, path, warnings)?;
     header.check_length(path)?;
-    let mut mesh = body::read(&mut input, &header, path, &access.budget, warnings)?;
+    let mut mesh = body::read(&mut input, &header, path, (&access.budget, origin), warnings)?;
     mesh.name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     clean(&mut mesh, path, warnings);
     Ok(mesh)
@@ -91,7 +91,8 @@ fn mesh_of(
 fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     let (file, length) = source::open(path)?;
     let mut warnings = Warnings::default();
-    let mut mesh = mesh_of(file, length, path, access, &mut warnings)?;
+    let mut origin = Origin::default();
+    let mut mesh = mesh_of(file, length, path, (access, &mut origin), &mut warnings)?;
     let name = mesh.name.clone();
 
     let mut scene = Scene::new();
@@ -103,7 +104,7 @@ fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     } else {
         let mesh = scene.add_mesh(mesh);
         let object = scene.add_object_of(name, vec![mesh]);
-        scene.instantiate(object, Affine::IDENTITY);
+        scene.instantiate(object, origin.file_from_mesh());
     }
     Ok(Loaded { scene, warnings, files: vec![path.to_owned()] })
 }

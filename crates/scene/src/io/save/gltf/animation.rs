@@ -156,6 +156,13 @@ fn sampler(
     let output = match (target, from.width()) {
         (Target::Visible(_), _) => buffer.add_flags(from.values()),
         (Target::Weights(_), _) => buffer.add_floats("SCALAR", from.values().as_chunks::<1>().0),
+        // Rotations are of length 1; the tangents of splines are not.
+        (Target::Rotation(_), _) if from.interpolation() != Interpolation::CubicSpline => {
+            let keys = from.values().as_chunks::<4>().0;
+            let unit =
+                |q: &[f32; 4]| glam::Vec4::from(*q).try_normalize().unwrap_or(glam::Vec4::W).to_array();
+            buffer.add_floats("VEC4", &keys.iter().map(unit).collect::<Vec<_>>())
+        }
         (_, 2) => buffer.add_floats("VEC2", from.values().as_chunks::<2>().0),
         (_, 3) => buffer.add_floats("VEC3", from.values().as_chunks::<3>().0),
         (_, 4) => buffer.add_floats("VEC4", from.values().as_chunks::<4>().0),

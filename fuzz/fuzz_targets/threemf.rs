@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Any bytes as a 3MF file.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    gnurt_fuzz::load_scene("fuzz.3mf", bytes, &[]);
+});
