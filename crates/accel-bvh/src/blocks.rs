@@ -113,8 +113,6 @@ kinds! {
     Discs(crate::discs::DiscBlock),
     /// Curves.
     Curves(crate::curves::CurveBlock),
-    /// Spheres, discs and curves that move while the shutter is open.
-    Moving(crate::moving::MovingBlock),
     /// Geometry of the caller's own.
     User(crate::user::UserBlock),
 }

@@ -29,7 +29,6 @@ mod kernels;
 mod leaves;
 mod measure;
 mod motion;
-mod moving;
 mod node;
 mod node_ray;
 mod planes;

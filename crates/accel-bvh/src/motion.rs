@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles and quads that move while the shutter is open, under a wide BVH whose boxes move with them.
+//! Triangles that move while the shutter is open, under a wide BVH whose boxes move with them.
 //! Source: [WBS06] for one tree whose boxes follow the motion; boxes that are interpolated between keys,
 //! instead of unions, are those of Embree's `AABBNodeMB`; one list of nodes for each key, for any number of
 //! keys, is original.
@@ -34,8 +34,6 @@ use crate::node::{Node8, WIDTH};
 pub struct MotionIndex {
     /// One or more, with the same nodes and blocks. None of them is compact.
     keys: Vec<BvhIndex>,
-    /// The times of the first and of the last key.
-    range: [f32; 2],
     /// Around all of them.
     bounds: Aabb,
     greatest: f32,
@@ -52,7 +50,6 @@ impl MotionIndex {
     /// If there is no key.
     pub fn build(
         keys: &[Surfaces],
-        range: [f32; 2],
         bad: &mut BadPrimitives,
         quality: Quality,
         threads: Threads,
@@ -85,7 +82,7 @@ impl MotionIndex {
             }));
         }
         let bounds = made.iter().fold(Aabb::EMPTY, |all, key| all.union(&key.bounds()));
-        Ok(Some(Self { keys: made, range, bounds, greatest: bounds.greatest() }))
+        Ok(Some(Self { keys: made, bounds, greatest: bounds.greatest() }))
     }
 
     /// Box around all triangles at all times.
@@ -108,10 +105,10 @@ impl MotionIndex {
         }
     }
 
-    /// How many there are, and the times of the first and of the last one.
+    /// How many there are.
     #[must_use]
-    pub fn keys(&self) -> (u32, [f32; 2]) {
-        (self.keys.len() as u32, self.range)
+    pub fn keys(&self) -> u32 {
+        self.keys.len() as u32
     }
 
     /// The tree at time 0.
@@ -120,16 +117,10 @@ impl MotionIndex {
         &self.keys[0]
     }
 
-    /// The keys around a time, or the nearest ones.
-    fn clamped(&self, time: f32) -> KeyInterval {
-        let [first, last] = self.range;
-        KeyInterval::of(if last > first { (time - first) / (last - first) } else { 0.0 }, self.keys.len())
-    }
-
     /// The corners of one triangle at a time.
     #[must_use]
     pub fn corners_at(&self, block: usize, lane: usize, time: f32) -> [[f32; 3]; 3] {
-        let interval = self.clamped(time);
+        let interval = KeyInterval::of(time, self.keys.len());
         let [from, to] = [interval.key, interval.next].map(|key| self.keys[key].corners_at(block, lane));
         [0, 1, 2].map(|corner| interval.mix3(from[corner], to[corner]))
     }
@@ -137,7 +128,7 @@ impl MotionIndex {
     /// The tree at one time, for callers that need only that time.
     #[must_use]
     pub fn at(&self, time: f32) -> BvhIndex {
-        let interval = self.clamped(time);
+        let interval = KeyInterval::of(time, self.keys.len());
         let (mut mixed, to) = (self.keys[interval.key].clone(), &self.keys[interval.next]);
         let mix = |rows: &mut [f32], to: &[f32]| {
             rows.iter_mut().zip(to).for_each(|(from, &to)| *from = interval.mix(*from, to));

@@ -143,7 +143,7 @@ impl BlockKind for SphereBlock {
 /// farther from zero first. In double precision: a float loses the distance from the surface of a huge
 /// sphere, and few spheres come here.
 #[inline(always)]
-pub(crate) fn roots(ray: &Ray, center: [f32; 3], radius: f32) -> [f32; 2] {
+fn roots(ray: &Ray, center: [f32; 3], radius: f32) -> [f32; 2] {
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     let from = |k: usize| f64::from(ray.org[k]) - f64::from(center[k]);
     let (from, dir, r) = ([from(0), from(1), from(2)], ray.dir.map(f64::from), f64::from(radius));

@@ -61,23 +61,24 @@ pub struct Discs<'a> {
     pub normals: Option<&'a [[f32; 3]]>,
 }
 
-/// A geometry that moves during an open shutter, at each of its keys: triangles, quads, spheres, discs or curves.
+/// One mesh that moves during an open shutter: borrowed arrays.
 ///
-/// Everything goes in straight lines from key to key. All keys have the same kind and the same indices; of a list with
-/// others nothing is traced. A primitive with a bad coordinate at some key is dropped.
-#[derive(Clone, Copy, Debug)]
-pub struct Moving<'a> {
-    /// The geometry at times evenly spaced over `range`. A single one is static.
-    pub keys: &'a [GeometryKind<'a>],
-    /// The times of the first and of the last key. Rays of other times do not see the geometry.
-    pub range: [f32; 2],
+/// Vertices move in straight lines from key to key. Rays of [`Ray::time`](crate::Ray::time) 0 see the first
+/// key, those of 1 the last one. A triangle with a bad coordinate at some key is dropped.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MovingTriangles<'a> {
+    /// Vertex positions, object space, at times evenly spaced from 0 to 1: a list for each. One list is
+    /// static.
+    pub keys: &'a [&'a [[f32; 3]]],
+    /// Vertices of each triangle; its index is its `prim_id`.
+    pub indices: &'a [[u32; 3]],
 }
 
-impl<'a> Moving<'a> {
-    /// From time 0 to time 1.
+impl<'a> MovingTriangles<'a> {
+    /// The mesh at a key. Panics where there is none.
     #[must_use]
-    pub fn new(keys: &'a [GeometryKind<'a>]) -> Self {
-        Self { keys, range: [0.0, 1.0] }
+    pub fn at_key(&self, key: usize) -> Triangles<'a> {
+        Triangles { positions: self.keys[key], indices: self.indices }
     }
 }
 
@@ -94,8 +95,8 @@ pub enum GeometryKind<'a> {
     Discs(Discs<'a>),
     /// Curves with a width.
     Curves(Curves<'a>),
-    /// Any of these that moves while the shutter is open.
-    Moving(Moving<'a>),
+    /// A triangle mesh that moves while the shutter is open.
+    Moving(MovingTriangles<'a>),
     /// Primitives defined by the caller; stored in the tree.
     User(Arc<dyn UserGeometry>),
 }
@@ -132,39 +133,18 @@ impl<'a> Geometry<'a> {
 
     /// How many numbers its primitives take.
     fn count(&self) -> usize {
-        self.kind.count()
-    }
-}
-
-impl GeometryKind<'_> {
-    fn count(&self) -> usize {
-        match self {
-            Self::Triangles(mesh) => mesh.indices.len(),
-            Self::Quads(mesh) => 2 * mesh.indices.len(),
-            Self::Spheres(spheres) => spheres.centers.len().min(spheres.radii.len()),
-            Self::Discs(discs) => {
+        match &self.kind {
+            GeometryKind::Triangles(mesh) => mesh.indices.len(),
+            GeometryKind::Quads(mesh) => 2 * mesh.indices.len(),
+            GeometryKind::Spheres(spheres) => spheres.centers.len().min(spheres.radii.len()),
+            GeometryKind::Discs(discs) => {
                 let count = discs.centers.len().min(discs.radii.len());
                 discs.normals.map_or(count, |normals| count.min(normals.len()))
             }
-            Self::Curves(curves) => curves.indices.len(),
-            Self::Moving(moving) => {
-                let Some((first, rest)) = moving.keys.split_first() else { return 0 };
-                let kind = std::mem::discriminant(first);
-                let is_one = rest.iter().all(|key| std::mem::discriminant(key) == kind);
-                let is_simple = !matches!(first, Self::Moving(_) | Self::User(_));
-                let counts = moving.keys.iter().map(|key| if is_one && is_simple { key.count() } else { 0 });
-                counts.min().unwrap_or(0)
-            }
-            Self::User(user) => user.count() as usize,
-        }
-    }
-
-    /// Whether it has quads, at rest or in motion.
-    fn has_quads(&self) -> bool {
-        match self {
-            Self::Quads(_) => true,
-            Self::Moving(moving) => moving.keys.first().is_some_and(Self::has_quads),
-            _ => false,
+            GeometryKind::Curves(curves) => curves.indices.len(),
+            GeometryKind::Moving(mesh) if mesh.keys.is_empty() => 0,
+            GeometryKind::Moving(mesh) => mesh.indices.len(),
+            GeometryKind::User(user) => user.count() as usize,
         }
     }
 }
@@ -175,9 +155,9 @@ impl<'a> From<Triangles<'a>> for Geometry<'a> {
     }
 }
 
-impl<'a> From<Moving<'a>> for Geometry<'a> {
-    fn from(moving: Moving<'a>) -> Self {
-        Self::new(GeometryKind::Moving(moving))
+impl<'a> From<MovingTriangles<'a>> for Geometry<'a> {
+    fn from(mesh: MovingTriangles<'a>) -> Self {
+        Self::new(GeometryKind::Moving(mesh))
     }
 }
 
@@ -230,7 +210,7 @@ impl Numbering {
         let mut numbering = Self { starts: vec![0], ..Self::default() };
         let mut next = 0;
         for geometry in geometries {
-            let quads = geometry.kind.has_quads();
+            let quads = matches!(geometry.kind, GeometryKind::Quads(_));
             let (count, free) = (geometry.count(), MOST_TRIANGLES - next);
             // Quads are taken whole.
             let taken = count.min(if quads { free / 2 * 2 } else { free });

@@ -68,8 +68,8 @@ pub use aabb::Aabb;
 pub use control::{BuildControl, BuildError};
 pub use curve::{CurveBasis, CurveForm, Curves};
 pub use geometry::{
-    BadPrimitives, Discs, FARTHEST_PLANE, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES, Moving,
-    Quads, Spheres, Triangles,
+    BadPrimitives, Discs, FARTHEST_PLANE, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES,
+    MovingTriangles, Quads, Spheres, Triangles,
 };
 pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
 pub use motion::KeyInterval;

@@ -33,17 +33,6 @@ impl KeyInterval {
         Self { key, next: key + 1, weights: [1.0 - behind, behind] }
     }
 
-    /// Where `time` lies among keys of times from `first` to `last`; `None` before the first and after the last one.
-    #[must_use]
-    #[inline(always)]
-    pub fn within([first, last]: [f32; 2], time: f32, keys: usize) -> Option<Self> {
-        if [first, last] == [0.0, 1.0] {
-            return Some(Self::of(time, keys));
-        }
-        // NaN is in no range.
-        (time >= first && time <= last).then(|| Self::of((time - first) / (last - first), keys))
-    }
-
     /// The interpolated number, `from` at the key before and `to` at the one behind.
     #[must_use]
     #[inline(always)]

@@ -54,11 +54,7 @@ impl<'a> Surfaces<'a> {
         key: usize,
     ) -> Self {
         let surface = |geometry: &Geometry<'a>| match &geometry.kind {
-            GeometryKind::Moving(moving) if accept(geometry) => match &moving.keys[key] {
-                GeometryKind::Triangles(mesh) => Surface::Triangles(*mesh),
-                GeometryKind::Quads(mesh) => Surface::Quads(*mesh),
-                _ => Surface::None,
-            },
+            GeometryKind::Moving(mesh) if accept(geometry) => Surface::Triangles(mesh.at_key(key)),
             _ => Surface::None,
         };
         Self { meshes: geometries.iter().map(surface).collect(), starts: numbering.starts.clone() }

@@ -150,16 +150,16 @@
 //!
 //! # An open shutter
 //!
-//! A ray has a time from 0 to 1, at which it sees moving geometry ([`Moving`]) and moving instances
+//! A ray has a time from 0 to 1, at which it sees moving meshes ([`MovingTriangles`]) and moving instances
 //! ([`Instance::moving`]); hits are those of a tree over all geometry at that time:
 //!
 //! ```
 //! # use gnurt_accel::*;
 //! # use std::sync::Arc;
 //! let (options, threads) = (BuildOptions::default(), Threads::Single);
-//! let positions = [[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], [[0., 0., 4.], [1., 0., 4.], [0., 1., 4.]]];
-//! let at = |key: usize| GeometryKind::Triangles(Triangles { positions: &positions[key], indices: &[[0, 1, 2]] });
-//! let object = Arc::new(ObjectTree::build_from(&[Moving::new(&[at(0), at(1)]).into()], &options, threads));
+//! let keys: [&[[f32; 3]]; 2] = [&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], &[[0., 0., 4.], [1., 0., 4.], [0., 1., 4.]]];
+//! let mesh = MovingTriangles { keys: &keys, indices: &[[0, 1, 2]] };
+//! let object = Arc::new(ObjectTree::build_from(&[mesh.into()], &options, threads));
 //! let ray = Ray::new([0.25, 0.25, 9.0], [0.0, 0.0, -1.0]);
 //! let t = |tree: &ObjectTree, time: f32| tree.intersect(&ray.with_time(time)).map(|hit| hit.t);
 //! assert_eq!((t(&object, 0.0), t(&object, 0.5), t(&object, 1.0)), (Some(9.0), Some(7.0), Some(5.0)));
@@ -232,9 +232,9 @@ pub use facing::Face;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, CurveBasis,
     CurveForm, Curves, Discs, Geometry, GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval,
-    LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, Moving, PointHit, PrimitiveId, Quads, Quality,
-    Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres, Structure, Threads, TreeStats,
-    TriangleTest, Triangles, UserGeometry, UserHit,
+    LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, MovingTriangles, PointHit, PrimitiveId, Quads,
+    Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres, Structure, Threads,
+    TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
 pub use inside::Side;

@@ -24,7 +24,7 @@ use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
-use kind::{Group, Kind, moving_kind};
+use kind::{Group, Kind};
 use locations::Locations;
 
 use crate::coherent::by_direction_class;
@@ -232,10 +232,7 @@ impl Part {
     fn group(&self) -> Group {
         let kind = match &self.index {
             Index::Research(_) | Index::Bvh(_) => Kind::Surfaces,
-            Index::Moving(index) => {
-                let (keys, range) = index.keys();
-                moving_kind(keys, range)
-            }
+            Index::Moving(index) => Kind::Moving(index.keys()),
             Index::Blocks(index) => Kind::Blocks(index.sort()),
         };
         (kind, self.mask)

@@ -26,7 +26,6 @@ mod masks;
 mod mixed;
 mod moving;
 mod moving_instances;
-mod moving_shapes;
 mod nested;
 mod packets;
 mod parameters;

@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use crate::common::{TESTS, WATERTIGHT, assert_hits, batch, build, run_queries, scene_of, try_scene_of};
 use gnurt_accel::{
-    BuildOptions, DEEPEST_SCENE, GeometryKind, Instance, Moving, ObjectTree, SceneError, SceneTree, Shape,
-    Threads, Triangles,
+    BuildOptions, DEEPEST_SCENE, Instance, MovingTriangles, ObjectTree, SceneError, SceneTree, Shape, Threads,
 };
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 
@@ -119,9 +118,7 @@ fn nested_scenes_equal_flat_ones() {
 fn what_is_shared_is_stopped_once() {
     let (here, there) = ([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0.0, 0.0, 1.0]; 3]);
     let there = [0, 1, 2].map(|i| [0, 1, 2].map(|k| there[i][k] + here[i][k]));
-    let at = |positions| GeometryKind::Triangles(Triangles { positions, indices: &[[0, 1, 2]] });
-    let keys = [at(&here[..]), at(&there[..])];
-    let moving = Moving::new(&keys);
+    let moving = MovingTriangles { keys: &[&here, &there], indices: &[[0, 1, 2]] };
     let options = BuildOptions::default();
     let object = Arc::new(ObjectTree::build_from(&[moving.into()], &options, Threads::Single));
     // Side by side, and those side by side.

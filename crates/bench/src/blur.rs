@@ -6,8 +6,8 @@
 //! Tests: `tests::both_hit_the_same`.
 
 use gnurt::accel::{
-    BuildOptions, Coherence, GeometryKind, HitBatch, Moving, ObjectTree, Query, RayBatch, Record, Threads,
-    TreeStats, Triangles,
+    BuildOptions, Coherence, HitBatch, MovingTriangles, ObjectTree, Query, RayBatch, Record, Threads,
+    TreeStats,
 };
 use gnurt::simd::Level;
 
@@ -67,12 +67,8 @@ pub fn run(
         positions
     };
     let lists: Vec<Vec<[f32; 3]>> = (0..keys).map(key).collect();
-    let slices: Vec<GeometryKind> = lists
-        .iter()
-        .map(|list| Triangles { positions: &list[..count], indices: &subject.indices })
-        .map(GeometryKind::Triangles)
-        .collect();
-    let moving = Moving::new(&slices);
+    let slices: Vec<&[[f32; 3]]> = lists.iter().map(|list| &list[..count]).collect();
+    let moving = MovingTriangles { keys: &slices, indices: &subject.indices };
     let device = embree.map(|library| library.device(Level::best(), 1)).transpose()?;
     let mut engines: Vec<(&'static str, Engine, f64)> = Vec::new();
     let options = BuildOptions::default();

@@ -42,7 +42,7 @@ impl MotionIndex {
         collect: &mut C,
         counters: &mut Counters,
     ) {
-        let Some(interval) = KeyInterval::within(self.range, ray.time, self.keys.len()) else { return };
+        let interval = KeyInterval::of(ray.time, self.keys.len());
         let (from, to, weights) = (&self.keys[interval.key], &self.keys[interval.next], interval.weights);
         let nodes = InterpolatedNodes { from: &from.tree.nodes, to: &to.tree.nodes, weights };
         let (blocks, blocks_to) = (&from.leaves.blocks[..], &to.leaves.blocks[..]);

@@ -24,12 +24,6 @@ impl Cubic {
         Self { powers }
     }
 
-    /// The cubic between this one and another, which counts as `share`.
-    pub(super) fn mixed(&self, other: &Self, share: f64) -> Self {
-        let mix = |i: usize, k: usize| (1.0 - share) * self.powers[i][k] + share * other.powers[i][k];
-        Self { powers: [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|k| mix(i, k))) }
-    }
-
     #[inline(always)]
     pub(super) fn at(&self, t: f64) -> [f64; 4] {
         let [a, b, c, d] = &self.powers;

@@ -38,34 +38,6 @@ impl Segment {
         }
     }
 
-    /// The curve between this one and another of the same form, which counts as `share`.
-    #[must_use]
-    pub fn mixed(&self, other: &Self, share: f64) -> Self {
-        fn mix<const N: usize>(a: [f64; N], b: [f64; N], share: f64) -> [f64; N] {
-            std::array::from_fn(|k| (1.0 - share) * a[k] + share * b[k])
-        }
-        let ends = |a: &[[f64; 4]; 2], b: &[[f64; 4]; 2]| [0, 1].map(|i| mix(a[i], b[i], share));
-        let joint = |a: Option<[f64; 4]>, b: Option<[f64; 4]>| Some(mix(a?, b?, share));
-        match (self, other) {
-            (Self::FlatLine(a), Self::FlatLine(b)) => Self::FlatLine(ends(a, b)),
-            (
-                Self::Cone { ends: a, before, after, is_seen_from_outside },
-                Self::Cone { ends: b, before: other_before, after: other_after, .. },
-            ) => Self::Cone {
-                ends: ends(a, b),
-                before: joint(*before, *other_before),
-                after: joint(*after, *other_after),
-                is_seen_from_outside: *is_seen_from_outside,
-            },
-            (Self::Flat(a), Self::Flat(b)) => Self::Flat(a.mixed(b, share)),
-            (Self::Round(a), Self::Round(b)) => Self::Round(a.mixed(b, share)),
-            (Self::Oriented(a, normals), Self::Oriented(b, others)) => {
-                Self::Oriented(a.mixed(b, share), [0, 1, 2, 3].map(|i| mix(normals[i], others[i], share)))
-            }
-            _ => *self,
-        }
-    }
-
     /// The point of the curve at a parameter, and its radius.
     #[inline]
     pub(super) fn at(&self, t: f64) -> [f64; 4] {

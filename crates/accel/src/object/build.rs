@@ -126,12 +126,11 @@ impl ObjectTree {
                         }
                     }
                 }
-                Kind::Moving(0, _) => continue,
-                Kind::Moving(keys, range) => {
-                    let range = range.map(f32::from_bits);
+                Kind::Moving(0) => continue,
+                Kind::Moving(keys) => {
                     let surfaces = |key| Surfaces::at_key(geometries, &numbering, in_group, key as usize);
                     let surfaces: Vec<Surfaces> = (0..keys).map(surfaces).collect();
-                    match MotionIndex::build(&surfaces, range, &mut bad, quality, threads, &watch)? {
+                    match MotionIndex::build(&surfaces, &mut bad, quality, threads, &watch)? {
                         Some(index) => Index::Moving(index),
                         None => continue,
                     }

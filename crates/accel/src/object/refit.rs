@@ -129,7 +129,7 @@ fn check_empty(
     let others = (0..geometries.len()).filter(|&i| group_of(&geometries[i]) == group);
     let is_empty = match group.0 {
         Kind::Surfaces => !surfaces.numbers().flatten().any(|number| surfaces.judge(number, bad)),
-        Kind::Moving(..) | Kind::Blocks(_) => others.map(|i| numbering.range(i).len()).sum::<usize>() == 0,
+        Kind::Moving(_) | Kind::Blocks(_) => others.map(|i| numbering.range(i).len()).sum::<usize>() == 0,
     };
     if is_empty { Ok(()) } else { Err(RefitError::OtherPrimitives) }
 }

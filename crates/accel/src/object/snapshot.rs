@@ -3,24 +3,18 @@
 
 use std::sync::{Arc, OnceLock};
 
-use gnurt_accel_bvh::BlockSort;
-
 use super::{Index, ObjectTree, Part};
 use crate::Aabb;
 
 impl ObjectTree {
-    /// Whether there is geometry in it that moves while the shutter is open.
+    /// Whether there are meshes in it that move while the shutter is open.
     #[must_use]
     pub fn moves(&self) -> bool {
-        self.parts.iter().any(|part| match &part.index {
-            Index::Moving(_) => true,
-            Index::Blocks(index) => index.sort() == BlockSort::Moving,
-            _ => false,
-        })
+        self.parts.iter().any(|part| matches!(part.index, Index::Moving(_)))
     }
 
     /// The object at one time; all its queries refer to that time. Costs a pass over the moving parts; an
-    /// object without any is returned as it is. Spheres, discs and curves go on moving.
+    /// object without any is returned as it is.
     #[must_use]
     pub fn at(self: &Arc<Self>, time: f32) -> Arc<Self> {
         if !self.moves() {

@@ -32,16 +32,12 @@ enum Linear {
     /// It stays: the rows of its inverse.
     Stays([[f64; 3]; 3]),
     Rotating(Rotation),
-    /// Element by element, between these axes.
-    Straight([[[f64; 3]; 3]; 2]),
 }
 
 impl Piece {
-    fn new(from: &Columns, to: &Columns, is_straight: bool) -> Option<Self> {
-        let axes = |key: &Columns| [key[0], key[1], key[2]];
+    fn new(from: &Columns, to: &Columns) -> Option<Self> {
         let linear = match from[..3] == to[..3] {
             true => Linear::Stays(inverse(from)?),
-            false if is_straight => Linear::Straight([axes(from), axes(to)]),
             false => Linear::Rotating(Rotation::new(from, to)?),
         };
         Some(Self { translations: [from[3], to[3]], linear })
@@ -57,10 +53,6 @@ impl Piece {
                 let [x, y, z] = rotation.linear(share);
                 inverse(&[x, y, z, translation])?
             }
-            Linear::Straight(ends) => {
-                let [x, y, z] = straight(ends, share);
-                inverse(&[x, y, z, translation])?
-            }
         };
         Some(Stand { rows, translation })
     }
@@ -74,7 +66,7 @@ impl Piece {
 
     fn angle(&self) -> f64 {
         match &self.linear {
-            Linear::Stays(_) | Linear::Straight(_) => 0.0,
+            Linear::Stays(_) => 0.0,
             Linear::Rotating(rotation) => rotation.angle(),
         }
     }
@@ -82,17 +74,10 @@ impl Piece {
     /// In how many steps a box follows it, and by how much at most a point of the box leaves the straight line within one.
     fn steps(&self, object: &Box64) -> (f64, f64) {
         match &self.linear {
-            Linear::Stays(_) | Linear::Straight(_) => (1.0, 0.0),
+            Linear::Stays(_) => (1.0, 0.0),
             Linear::Rotating(rotation) => rotation.steps(object),
         }
     }
-}
-
-/// Axes between these ends.
-#[inline(always)]
-fn straight(ends: &[[[f64; 3]; 3]; 2], share: f64) -> [[f64; 3]; 3] {
-    let [from, to] = ends;
-    [0, 1, 2].map(|axis| [0, 1, 2].map(|k| (1.0 - share) * from[axis][k] + share * to[axis][k]))
 }
 
 impl MotionPath {
@@ -102,35 +87,6 @@ impl MotionPath {
     /// more than half a circle. `None` if there is no transform, or if one is flat or not finite.
     #[must_use]
     pub fn new(translations: &[[[f64; 3]; 4]]) -> Option<Self> {
-        Self::of_keys(translations, false)
-    }
-
-    /// The same, but matrices are interpolated element by element: points of the object go straight between keys, and one
-    /// that rotates shrinks on its way. Such is Embree's motion of matrices.
-    #[must_use]
-    pub fn straight(translations: &[[[f64; 3]; 4]]) -> Option<Self> {
-        Self::of_keys(translations, true)
-    }
-
-    /// The same with its first and its last key at other times than 0 and 1. Before and after them the instance stays. A path
-    /// with corners between 0 and 1 is cut in 16 pieces, which round them. `None` as of [`new`](Self::new).
-    #[must_use]
-    pub fn within(&self, [first, last]: [f32; 2]) -> Option<Self> {
-        if [first, last] == [0.0, 1.0] {
-            return Some(self.clone());
-        }
-        let has_corners = self.pieces.len() > 1 || first > 0.0 || last < 1.0;
-        let count = if has_corners { CUTS } else { 1 };
-        let at = |i: usize| {
-            let time = (i as f32 / count as f32 - first) / (last - first);
-            self.at(time)
-        };
-        let keys: Vec<Columns> = (0..=count).map(at).collect();
-        let is_straight = self.pieces.iter().all(|piece| !matches!(piece.linear, Linear::Rotating(_)));
-        Self::of_keys(&keys, is_straight)
-    }
-
-    fn of_keys(translations: &[[[f64; 3]; 4]], is_straight: bool) -> Option<Self> {
         let first = translations.first()?;
         let mut keys = translations.to_vec();
         if keys.len() == 1 {
@@ -140,8 +96,7 @@ impl MotionPath {
         if !keys.iter().all(|key| is_sound(key) && inverse(key).is_some()) {
             return None;
         }
-        let piece = |pair: &[Columns]| Piece::new(&pair[0], &pair[1], is_straight);
-        let pieces = keys.windows(2).map(piece).collect::<Option<_>>()?;
+        let pieces = keys.windows(2).map(|pair| Piece::new(&pair[0], &pair[1])).collect::<Option<_>>()?;
         Some(Self { keys, pieces })
     }
 
@@ -171,7 +126,6 @@ impl MotionPath {
         let [x, y, z] = match &piece.linear {
             Linear::Stays(_) => [from[0], from[1], from[2]],
             Linear::Rotating(rotation) => rotation.linear(share),
-            Linear::Straight(ends) => straight(ends, share),
         };
         [x, y, z, translation]
     }
@@ -212,9 +166,6 @@ pub(super) fn share_of(time: f32, pieces: usize) -> (usize, f64) {
     let piece = (at as usize).min(pieces - 1);
     (piece, at - piece as f64)
 }
-
-/// Pieces of a path whose keys are at other times than those evenly spaced from 0 to 1.
-const CUTS: usize = 16;
 
 /// Pieces between which boxes go straight: two keys more for each.
 const MOST_PIECES: usize = 8;

@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Face, Geometry, GeometryKind, Hit, HitBatch, Instance, KeyInterval, Level, Memory,
-    MotionPath, Moving, ObjectTree, Quality, Query, Ray, Ray64, RayBatch, SceneTree, Threads, Triangles,
+    BuildOptions, Face, Geometry, Hit, HitBatch, Instance, KeyInterval, Level, Memory, MotionPath,
+    MovingTriangles, ObjectTree, Quality, Query, Ray, Ray64, RayBatch, SceneTree, Threads, Triangles,
 };
 use gnurt_testkit::{Random, Soup, rays};
 
@@ -35,8 +35,8 @@ impl Drift {
         Self { keys: all, indices: soup.indices }
     }
 
-    fn lists(&self) -> Vec<GeometryKind<'_>> {
-        self.keys.iter().map(|positions| triangles(positions, &self.indices)).collect()
+    fn lists(&self) -> Vec<&[[f32; 3]]> {
+        self.keys.iter().map(Vec::as_slice).collect()
     }
 
     /// All vertices as they are at a moment.
@@ -47,15 +47,11 @@ impl Drift {
     }
 }
 
-fn triangles<'a>(positions: &'a [[f32; 3]], indices: &'a [[u32; 3]]) -> GeometryKind<'a> {
-    GeometryKind::Triangles(Triangles { positions, indices })
-}
-
 /// Two meshes that move, of different numbers of keys, and one that stands still.
-fn geometries<'a>(two: &'a [GeometryKind<'a>], still: &'a Soup) -> [Geometry<'a>; 3] {
-    let moving = Moving::new(two);
+fn geometries<'a>(two: &'a [&'a [[f32; 3]]], drift: &'a Drift, still: &'a Soup) -> [Geometry<'a>; 3] {
+    let moving = MovingTriangles { keys: two, indices: &drift.indices };
     let still = Triangles { positions: &still.positions, indices: &still.indices };
-    let other = Moving::new(&two[..2]);
+    let other = MovingTriangles { keys: &two[..2], indices: &drift.indices };
     [moving.into(), still.into(), Geometry::from(other).with_mask(2)]
 }
 
@@ -99,7 +95,8 @@ fn meshes_are_seen_where_they_are_at_the_moment() {
         let drift = Drift::new(keys as u64, 300, keys);
         let lists = drift.lists();
         let options = BuildOptions { quality, memory, ..BuildOptions::default() };
-        let tree = Arc::new(ObjectTree::build_from(&geometries(&lists, &still), &options, Threads::Single));
+        let tree =
+            Arc::new(ObjectTree::build_from(&geometries(&lists, &drift, &still), &options, Threads::Single));
         assert!(tree.moves(), "it moves");
         let rays = some_rays(9, 900);
         let two = Drift { keys: drift.keys[..2].to_vec(), indices: drift.indices.clone() };
@@ -138,7 +135,7 @@ fn instances_are_seen_where_they_are_at_the_moment() {
     let (options, threads) = (BuildOptions::default(), Threads::Single);
     let drift = Drift::new(8, 60, 3);
     let lists = drift.lists();
-    let mesh = Moving::new(&lists);
+    let mesh = MovingTriangles { keys: &lists, indices: &drift.indices };
     let object = |geometry: Geometry| Arc::new(ObjectTree::build_from(&[geometry], &options, threads));
     let soup = Soup::random(1, 60, 0.4);
     let still = object(Triangles { positions: &soup.positions, indices: &soup.indices }.into());
@@ -256,8 +253,7 @@ fn normals_and_faces_are_those_of_the_moment() {
     // Turns over from facing z to facing -z, by way of standing upright.
     let keys: [&[[f32; 3]]; 2] =
         [&[[-1., -1., 0.], [1., -1., 0.], [0., 1., 0.]], &[[1., -1., 0.], [-1., -1., 0.], [0., 1., 0.]]];
-    let keys = keys.map(|positions| triangles(positions, &[[0, 1, 2]]));
-    let mesh = Moving::new(&keys);
+    let mesh = MovingTriangles { keys: &keys, indices: &[[0, 1, 2]] };
     let object = Arc::new(ObjectTree::build_from(&[mesh.into()], &options, threads));
     let quarter = [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]];
     let half = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [0.0; 3]];
@@ -294,8 +290,7 @@ fn bad_triangles_are_left_out_at_every_key() {
     spoiled[1][2] = f32::NAN;
     let options = BuildOptions::default();
     let build = |keys: &[&[[f32; 3]]], indices: &[[u32; 3]]| {
-        let keys: Vec<_> = keys.iter().map(|positions| triangles(positions, indices)).collect();
-        ObjectTree::build_from(&[Moving::new(&keys).into()], &options, Threads::Single)
+        ObjectTree::build_from(&[MovingTriangles { keys, indices }.into()], &options, Threads::Single)
     };
     let tree = build(&[&good, &spoiled], &[[0, 1, 2], [0, 3, 2], [0, 9, 2], [2, 2, 3]]);
     let bad = tree.bad_primitives();

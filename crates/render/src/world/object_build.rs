@@ -7,8 +7,8 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Geometry, GeometryKind, Memory, Motion, Moving, MovingTree, ObjectTree, SharedList,
-    Threads, Triangles, Update,
+    BuildOptions, Geometry, Memory, Motion, MovingTree, MovingTriangles, ObjectTree, SharedList, Threads,
+    Triangles, Update,
 };
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Mesh, MeshId, Scene};
@@ -205,22 +205,13 @@ fn exposed(
     memory: Memory,
     pool: &rayon::ThreadPool,
 ) -> (WorldObject, Option<Update>) {
-    let lists: Vec<Vec<GeometryKind>> = meshes
-        .iter()
-        .zip(&keys)
-        .map(|(mesh, keys)| {
-            keys.iter()
-                .map(|key| {
-                    GeometryKind::Triangles(Triangles { positions: &key.positions, indices: &mesh.indices })
-                })
-                .collect()
-        })
-        .collect();
+    let lists: Vec<Vec<&[[f32; 3]]>> =
+        keys.iter().map(|keys| keys.iter().map(|mesh| &mesh.positions[..]).collect()).collect();
     let mut geometries: Vec<Geometry> = Vec::with_capacity(meshes.len());
     for (mesh, keys) in meshes.iter().zip(&lists) {
         geometries.push(match keys.is_empty() {
             true => Triangles { positions: &mesh.positions, indices: &mesh.indices }.into(),
-            false => Moving::new(keys).into(),
+            false => MovingTriangles { keys, indices: &mesh.indices }.into(),
         });
     }
     let tree = Arc::new(ObjectTree::build_from(&geometries, &options(memory), Threads::Pool(pool)));
