@@ -10,16 +10,18 @@ use crate::failure::Failure;
 use crate::workspace::Workspace;
 
 /// The crates for Miri: no machine code, no other programs, no threads of a pool that outlive the test.
-const INTERPRETED: [&[&str]; 3] = [
+const INTERPRETED: [&[&str]; 4] = [
     &["-p", "gnurt-simd"],
     &["-p", "gnurt-rays", "--lib"],
+    &["-p", "gnurt-embree", "--lib"],
     // Not the lock: Miri does not support `membarrier`.
     &["-p", "openrt", "--lib", "--", "state::"],
 ];
 
 /// The tests that build C programs and run them.
-const C_TESTS: [&[&str]; 2] = [
+const C_TESTS: [&[&str]; 3] = [
     &["-p", "gnurt-rays", "--test", "programs"],
+    &["-p", "gnurt-embree", "--test", "programs"],
     &["-p", "openrt", "--test", "c_programs", "--test", "submission"],
 ];
 

@@ -14,8 +14,7 @@ use crate::ffi_catch;
 use crate::ffi_columns::{Access, Array, Column, Rows, aabb};
 use crate::ffi_memory::Pointer;
 use crate::pools::Workers;
-use crate::ray_scene::{Built, Part, Primitives, RayScene, What, query_tree};
-use crate::transform::{Columns, IDENTITY};
+use crate::ray_scene::{Built, Columns, IDENTITY, Part, Primitives, RayScene, What, query_tree};
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();

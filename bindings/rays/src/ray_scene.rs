@@ -13,7 +13,11 @@ use gnurt_accel::{
 };
 
 use crate::ffi_columns::{Column, Rows};
-use crate::transform::{Columns, IDENTITY};
+
+/// An affine map: images of the axes, then of the origin.
+pub(crate) type Columns = [[f64; 3]; 4];
+
+pub(crate) const IDENTITY: Columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
 /// The kind and data of a part.
 #[derive(Clone, Debug)]

@@ -124,6 +124,11 @@ impl BlockData for () {
 pub struct Shared<B: BlockKind>(Vec<(u32, B::Data)>);
 
 impl<B: BlockKind> Shared<B> {
+    /// The same with other data.
+    pub(crate) fn map(&self, other: impl Fn(&B::Data) -> B::Data) -> Self {
+        Self(self.0.iter().map(|(start, data)| (*start, other(data))).collect())
+    }
+
     /// The data of a number's geometry, and its index there.
     pub(crate) fn of(&self, number: u32) -> (&B::Data, u32) {
         let at = self.0.partition_point(|(start, _)| *start <= number) - 1;
@@ -150,6 +155,11 @@ pub struct Blocked<B: BlockKind> {
 }
 
 impl<B: BlockKind> Blocked<B> {
+    /// Of a tree over these blocks.
+    pub(crate) fn of(tree: Tree, blocks: Vec<B>, shared: Shared<B>, stats: TreeStats) -> Self {
+        Self { greatest: tree.greatest(), tree, blocks, shared, stats }
+    }
+
     /// Box around everything.
     pub(crate) fn bounds(&self) -> Aabb {
         self.tree.bounds

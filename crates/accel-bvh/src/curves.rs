@@ -253,6 +253,7 @@ impl BlockData for Arc<OwnedCurves> {
 
     fn save(&self, writer: &mut Writer<'_, impl Write>) -> io::Result<()> {
         let flags = self.basis as u64 | (self.form as u64) << 8 | u64::from(self.is_seen_from_outside) << 16;
+        let flags = flags | u64::from(self.pieces) << 24;
         writer.number(flags)?;
         writer.list(self.vertices.as_flattened())?;
         writer.list(&self.indices)?;
@@ -295,6 +296,7 @@ impl BlockData for Arc<OwnedCurves> {
             normal_tangents,
             joints: joints.into_iter().map(|bits| bits as u8).collect(),
             is_seen_from_outside: flags >> 16 & 1 != 0,
+            pieces: (flags >> 24) as u8,
         }))
     }
 }

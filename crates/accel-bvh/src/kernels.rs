@@ -22,6 +22,7 @@ use crate::boxes::{BoxIndex, EnterMembers, MetBlock};
 use crate::incoherent::walk_incoherent;
 use crate::index::BvhIndex;
 use crate::motion::MotionIndex;
+use crate::moving_user::MovingUserIndex;
 use crate::tiles::walk_tile;
 
 /// The kernels of one level. Rays are valid and regular, trees not empty.
@@ -48,6 +49,8 @@ struct Table {
     incoherent: Option<fn(Token, &BvhIndex, &DirectionClasses, &mut TileTraversal)>,
     point: OnPoint<BvhIndex>,
     moving: [OnRay<MotionIndex>; 3],
+    moving_user: OnRay<MovingUserIndex>,
+    moving_user_point: OnPoint<MovingUserIndex>,
     blocks: OnRay<BlockIndex>,
     blocks_point: OnPoint<BlockIndex>,
     boxes: fn(Token, &BoxIndex, &Ray, f32, EnterRay) -> u32,
@@ -68,6 +71,9 @@ impl<S: Simd> For<S> {
         )),
         point: kernel!(S, |simd, index, probe, slot, nearest| index.nearest(simd, probe, slot, nearest)),
         moving: [moving::<S, Closest>, moving::<S, AnyHit>, moving_each::<S>],
+        moving_user: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
+        moving_user_point: kernel!(S, |simd, index, probe, slot, nearest| index
+            .nearest(simd, probe, slot, nearest)),
         blocks: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
         blocks_point: kernel!(S, |simd, index, probe, slot, nearest| index
             .nearest(simd, probe, slot, nearest)),
@@ -212,6 +218,22 @@ impl Kernels {
     /// The nearest point of triangles.
     pub fn point(&self, index: &BvhIndex, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         (self.table.point)(self.token, index, probe, slot, nearest);
+    }
+
+    /// One ray through moving user geometry, at its time.
+    pub fn moving_user(&self, index: &MovingUserIndex, traversal: &mut RayTraversal) {
+        (self.table.moving_user)(self.token, index, traversal);
+    }
+
+    /// Its nearest point at time 0.
+    pub fn moving_user_point(
+        &self,
+        index: &MovingUserIndex,
+        probe: &Probe,
+        slot: u32,
+        nearest: &mut dyn NearestPoint,
+    ) {
+        (self.table.moving_user_point)(self.token, index, probe, slot, nearest);
     }
 
     /// One ray through primitives that are not triangles.

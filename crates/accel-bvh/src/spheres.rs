@@ -7,7 +7,7 @@
 
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::geometry::GeometryKind;
-use gnurt_accel_core::point::{NearestPoint, Probe, on_sphere};
+use gnurt_accel_core::point::{NearestPoint, Probe, on_sphere, through_sphere};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::store::{StoredRecord, get_floats, put_floats};
 use gnurt_accel_core::traversal::RayTraversal;
@@ -18,7 +18,8 @@ use gnurt_simd::{Simd, f32x8, prelude::*};
 use crate::blocked::{BlockKind, Shared};
 use crate::node::WIDTH;
 
-/// Eight spheres. Lanes that are left over have a radius of NaN, which no ray meets.
+/// Eight spheres. Lanes that are left over have a radius of NaN, which no ray meets; spheres that are hit from outside only
+/// have a negative one.
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub struct SphereBlock {
@@ -30,7 +31,7 @@ pub struct SphereBlock {
 
 impl SphereBlock {
     fn sphere(&self, lane: usize) -> ([f32; 3], f32) {
-        ([0, 1, 2].map(|k: usize| self.center[k][lane]), self.radius[lane])
+        ([0, 1, 2].map(|k: usize| self.center[k][lane]), self.radius[lane].abs())
     }
 }
 
@@ -42,24 +43,25 @@ impl BlockKind for SphereBlock {
     type Ready<S: Simd> = f32x8<S>;
 
     fn is_kind_of(kind: &GeometryKind) -> bool {
-        matches!(kind, GeometryKind::Spheres(_))
+        matches!(kind, GeometryKind::Spheres(_) | GeometryKind::SphereOutsides(_))
     }
 
     fn data(_: &GeometryKind) {}
 
     fn items(kind: &GeometryKind, prim_id: u32, bad: &mut BadPrimitives, each: &mut dyn FnMut(Self::Item)) {
-        let GeometryKind::Spheres(spheres) = kind else { return };
+        let (GeometryKind::Spheres(spheres) | GeometryKind::SphereOutsides(spheres)) = kind else { return };
+        let sign = if matches!(kind, GeometryKind::Spheres(_)) { 1.0 } else { -1.0 };
         let (center, radius) = (spheres.centers[prim_id as usize], spheres.radii[prim_id as usize]);
         match bad.fault(center.into_iter().chain([radius])) {
             Some(fault) => *fault += 1,
             None if radius <= 0.0 => bad.zero_area += 1,
-            None => each((center, radius)),
+            None => each((center, sign * radius)),
         }
     }
 
     /// One float more on either side covers the rounding.
     fn bounds(&(center, radius): &Self::Item) -> Aabb {
-        let side = |k: usize, sign: f32| center[k] + sign * radius;
+        let side = |k: usize, sign: f32| center[k] + sign * radius.abs();
         Aabb {
             min: [0, 1, 2].map(|k| side(k, -1.0).next_down()),
             max: [0, 1, 2].map(|k| side(k, 1.0).next_up()),
@@ -111,7 +113,8 @@ impl BlockKind for SphereBlock {
             let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
             bits &= bits - 1;
             let (center, radius) = self.sphere(lane);
-            for t in roots(ray, center, radius) {
+            let sides = if self.radius[lane] > 0.0 { 2 } else { 1 };
+            for t in through_sphere(ray, center, radius).into_iter().take(sides) {
                 if t >= ray.t_near && t <= traversal.reach() {
                     traversal.offer(TriangleHit { t: t + 0.0, u: 0.0, v: 0.0 }, self.numbers[lane], slot);
                 }
@@ -135,25 +138,8 @@ impl BlockKind for SphereBlock {
         let (number, radius) = (self.numbers[lane], self.radius[lane]);
         let near = self.center.iter().all(|row| row[lane].abs() <= LARGEST_COORDINATE);
         let nothing = number == INVALID_ID && radius.is_nan();
-        near && (nothing || number < count && radius > 0.0 && radius <= LARGEST_COORDINATE)
+        near && (nothing || number < count && radius != 0.0 && radius.abs() <= LARGEST_COORDINATE)
     }
-}
-
-/// Both parameters of the hits of a ray with a sphere, ascending: roots of `a t^2 + 2 b t + c`, the one
-/// farther from zero first. In double precision: a float loses the distance from the surface of a huge
-/// sphere, and few spheres come here.
-#[inline(always)]
-fn roots(ray: &Ray, center: [f32; 3], radius: f32) -> [f32; 2] {
-    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-    let from = |k: usize| f64::from(ray.org[k]) - f64::from(center[k]);
-    let (from, dir, r) = ([from(0), from(1), from(2)], ray.dir.map(f64::from), f64::from(radius));
-    let (a, b, c) = (dot(dir, dir), dot(from, dir), dot(from, from) - r * r);
-    let across = [0, 1, 2].map(|k| from[k] - b / a * dir[k]);
-    let root = (a * (r * r - dot(across, across)).max(0.0)).sqrt();
-    let q = if b < 0.0 { root - b } else { -root - b };
-    // 0 / 0, where a ray starts on the sphere and along it, is no number; the other root is zero, too.
-    let (one, two) = ((c / q) as f32, (q / a) as f32);
-    [one.min(two), one.max(two)]
 }
 
 impl StoredRecord for SphereBlock {

@@ -20,7 +20,7 @@ use crate::node::WIDTH;
 
 /// Numbers in the object.
 #[derive(Clone, Debug)]
-pub struct UserBlock([u32; WIDTH]);
+pub struct UserBlock(pub(crate) [u32; WIDTH]);
 
 impl BlockKind for UserBlock {
     const IN_FILES: Result<[u64; 2], &'static str> = Err("user geometry cannot be saved");
@@ -72,23 +72,7 @@ impl BlockKind for UserBlock {
 
     #[inline(always)]
     fn meet<S: Simd>(&self, _: S, (): &(), shared: &Shared<Self>, traversal: &mut RayTraversal) -> u64 {
-        let RayTraversal { ray, slot, .. } = *traversal;
-        let mut tested = 0;
-        for (_, number) in lanes(self) {
-            if traversal.is_done() {
-                break;
-            }
-            tested += 1;
-            let (user, prim_id) = shared.of(number);
-            let visits = Ray { t_far: traversal.reach(), ..*ray };
-            user.intersect(prim_id, &visits, &mut |hit| {
-                if hit.t >= ray.t_near && hit.t <= traversal.reach() {
-                    let triangle_hit = TriangleHit { t: hit.t + 0.0, u: hit.u, v: hit.v };
-                    traversal.offer(triangle_hit, number, slot);
-                }
-            });
-        }
-        tested
+        self.test(shared, traversal)
     }
 
     fn near(
@@ -112,6 +96,30 @@ impl BlockKind for UserBlock {
 
     fn is_sound(&self, _: usize, _: &Shared<Self>, _: u32) -> bool {
         false
+    }
+}
+
+impl UserBlock {
+    /// Calls the tests of its primitives. Returns how many there were.
+    #[inline(never)]
+    pub(crate) fn test(&self, shared: &Shared<Self>, traversal: &mut RayTraversal) -> u64 {
+        let RayTraversal { ray, slot, .. } = *traversal;
+        let mut tested = 0;
+        for (_, number) in lanes(self) {
+            if traversal.is_done() {
+                break;
+            }
+            tested += 1;
+            let (user, prim_id) = shared.of(number);
+            let visits = Ray { t_far: traversal.reach(), ..*ray };
+            user.intersect(prim_id, &visits, &mut |hit| {
+                if hit.t >= ray.t_near && hit.t <= traversal.reach() {
+                    let triangle_hit = TriangleHit { t: hit.t + 0.0, u: hit.u, v: hit.v };
+                    traversal.offer(triangle_hit, number, slot);
+                }
+            });
+        }
+        tested
     }
 }
 

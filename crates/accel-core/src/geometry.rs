@@ -82,6 +82,23 @@ impl<'a> MovingTriangles<'a> {
     }
 }
 
+/// Quads that move during an open shutter: as [`MovingTriangles`], with the quads of [`Quads`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MovingQuads<'a> {
+    /// Vertex positions by key.
+    pub keys: &'a [&'a [[f32; 3]]],
+    /// Vertices of each quad, around it; its index is its `prim_id`.
+    pub indices: &'a [[u32; 4]],
+}
+
+impl<'a> MovingQuads<'a> {
+    /// The mesh at a key. Panics where there is none.
+    #[must_use]
+    pub fn at_key(&self, key: usize) -> Quads<'a> {
+        Quads { positions: self.keys[key], indices: self.indices }
+    }
+}
+
 /// The kind and data of a geometry.
 #[derive(Clone, Debug)]
 pub enum GeometryKind<'a> {
@@ -91,12 +108,16 @@ pub enum GeometryKind<'a> {
     Quads(Quads<'a>),
     /// Spheres.
     Spheres(Spheres<'a>),
+    /// Spheres that rays hit from outside only.
+    SphereOutsides(Spheres<'a>),
     /// Discs.
     Discs(Discs<'a>),
     /// Curves with a width.
     Curves(Curves<'a>),
     /// A triangle mesh that moves while the shutter is open.
     Moving(MovingTriangles<'a>),
+    /// Quads that move while the shutter is open.
+    MovingQuads(MovingQuads<'a>),
     /// Primitives defined by the caller; stored in the tree.
     User(Arc<dyn UserGeometry>),
 }
@@ -110,13 +131,16 @@ pub struct Geometry<'a> {
     ///
     /// An object has a tree for each mask and kind, so few different masks cost nothing and many cost speed.
     pub mask: u32,
+    /// The times of its first and its last key, if it moves: before and after these no ray sees it. They may lie
+    /// outside of the open shutter, which is from 0 to 1.
+    pub times: [f32; 2],
 }
 
 impl<'a> Geometry<'a> {
     /// A geometry that all rays see.
     #[must_use]
     pub fn new(kind: GeometryKind<'a>) -> Self {
-        Self { kind, mask: u32::MAX }
+        Self { kind, mask: u32::MAX, times: [0.0, 1.0] }
     }
 
     /// Primitives of the caller's own making.
@@ -131,12 +155,31 @@ impl<'a> Geometry<'a> {
         Self { mask, ..self }
     }
 
+    /// The same geometry with keys from one time to another.
+    #[must_use]
+    pub fn within(self, times: [f32; 2]) -> Self {
+        Self { times, ..self }
+    }
+
+    /// How many keys it has; 1 if it stands still.
+    #[must_use]
+    pub fn keys(&self) -> u32 {
+        match &self.kind {
+            GeometryKind::Moving(mesh) => mesh.keys.len() as u32,
+            GeometryKind::MovingQuads(mesh) => mesh.keys.len() as u32,
+            GeometryKind::User(user) => user.keys(),
+            _ => 1,
+        }
+    }
+
     /// How many numbers its primitives take.
     fn count(&self) -> usize {
         match &self.kind {
             GeometryKind::Triangles(mesh) => mesh.indices.len(),
             GeometryKind::Quads(mesh) => 2 * mesh.indices.len(),
-            GeometryKind::Spheres(spheres) => spheres.centers.len().min(spheres.radii.len()),
+            GeometryKind::Spheres(spheres) | GeometryKind::SphereOutsides(spheres) => {
+                spheres.centers.len().min(spheres.radii.len())
+            }
             GeometryKind::Discs(discs) => {
                 let count = discs.centers.len().min(discs.radii.len());
                 discs.normals.map_or(count, |normals| count.min(normals.len()))
@@ -144,6 +187,8 @@ impl<'a> Geometry<'a> {
             GeometryKind::Curves(curves) => curves.indices.len(),
             GeometryKind::Moving(mesh) if mesh.keys.is_empty() => 0,
             GeometryKind::Moving(mesh) => mesh.indices.len(),
+            GeometryKind::MovingQuads(mesh) if mesh.keys.is_empty() => 0,
+            GeometryKind::MovingQuads(mesh) => 2 * mesh.indices.len(),
             GeometryKind::User(user) => user.count() as usize,
         }
     }
@@ -158,6 +203,12 @@ impl<'a> From<Triangles<'a>> for Geometry<'a> {
 impl<'a> From<MovingTriangles<'a>> for Geometry<'a> {
     fn from(mesh: MovingTriangles<'a>) -> Self {
         Self::new(GeometryKind::Moving(mesh))
+    }
+}
+
+impl<'a> From<MovingQuads<'a>> for Geometry<'a> {
+    fn from(mesh: MovingQuads<'a>) -> Self {
+        Self::new(GeometryKind::MovingQuads(mesh))
     }
 }
 
@@ -210,7 +261,7 @@ impl Numbering {
         let mut numbering = Self { starts: vec![0], ..Self::default() };
         let mut next = 0;
         for geometry in geometries {
-            let quads = matches!(geometry.kind, GeometryKind::Quads(_));
+            let quads = matches!(geometry.kind, GeometryKind::Quads(_) | GeometryKind::MovingQuads(_));
             let (count, free) = (geometry.count(), MOST_TRIANGLES - next);
             // Quads are taken whole.
             let taken = count.min(if quads { free / 2 * 2 } else { free });

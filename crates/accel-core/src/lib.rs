@@ -41,6 +41,7 @@ pub mod float;
 pub mod geometry;
 pub mod hit;
 pub mod motion;
+pub mod moving;
 pub mod nearest;
 pub mod options;
 pub mod point;
@@ -69,7 +70,7 @@ pub use control::{BuildControl, BuildError};
 pub use curve::{CurveBasis, CurveForm, Curves};
 pub use geometry::{
     BadPrimitives, Discs, FARTHEST_PLANE, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES,
-    MovingTriangles, Quads, Spheres, Triangles,
+    MovingQuads, MovingTriangles, Quads, Spheres, Triangles,
 };
 pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
 pub use motion::KeyInterval;

@@ -55,6 +55,7 @@ impl<'a> Surfaces<'a> {
     ) -> Self {
         let surface = |geometry: &Geometry<'a>| match &geometry.kind {
             GeometryKind::Moving(mesh) if accept(geometry) => Surface::Triangles(mesh.at_key(key)),
+            GeometryKind::MovingQuads(mesh) if accept(geometry) => Surface::Quads(mesh.at_key(key)),
             _ => Surface::None,
         };
         Self { meshes: geometries.iter().map(surface).collect(), starts: numbering.starts.clone() }

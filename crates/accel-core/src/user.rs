@@ -29,6 +29,18 @@ pub trait UserGeometry: Send + Sync + fmt::Debug {
     /// The box around primitive `prim_id`, object space; must not change. Empty or unsound boxes leave it out.
     fn bounds(&self, prim_id: u32) -> Aabb;
 
+    /// How many times of an open shutter it has boxes for, evenly spaced from 0 to 1; must not change. Primitives of
+    /// several keys move: between two keys, they stay in the interpolated box. [`Ray::time`] tells when a ray sees them.
+    fn keys(&self) -> u32 {
+        1
+    }
+
+    /// The box at a key; must not change.
+    fn bounds_at(&self, prim_id: u32, key: u32) -> Aabb {
+        let _ = key;
+        self.bounds(prim_id)
+    }
+
     /// Calls `hit` for where `ray` meets primitive `prim_id`, in any order.
     ///
     /// Hits outside of `[ray.t_near, ray.t_far]` are allowed and ignored; `t_far` is the best hit so far in a
@@ -41,6 +53,19 @@ pub trait UserGeometry: Send + Sync + fmt::Debug {
     /// axes, the answer is taken as it is, although another point may then be nearer in the world.
     fn closest_point(&self, prim_id: u32, point: [f32; 3]) -> Option<[f32; 3]> {
         let _ = (prim_id, point);
+        None
+    }
+
+    /// The same at a time.
+    fn closest_point_at(&self, prim_id: u32, point: [f32; 3], time: f32) -> Option<[f32; 3]> {
+        let _ = time;
+        self.closest_point(prim_id, point)
+    }
+
+    /// The normal of a hit at `point` and at a time, of any length, object space; `None` where there is none, which is the
+    /// default.
+    fn normal(&self, prim_id: u32, uv: [f32; 2], point: Option<[f64; 3]>, time: f32) -> Option<[f64; 3]> {
+        let _ = (prim_id, uv, point, time);
         None
     }
 }

@@ -192,7 +192,7 @@
 //!
 //! # Limits today
 //!
-//! Within an object triangles can move, other primitives cannot; queries without a time (nearest points,
+//! Queries without a time (nearest points,
 //! boxes, balls, insides, normals of single hits) refer to time 0: [`ObjectTree::at`] and [`SceneTree::at`]
 //! give a static copy at another one. No subdivision. An object has at most [`MOST_TRIANGLES`]
 //! triangles.
@@ -232,9 +232,9 @@ pub use facing::Face;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, CurveBasis,
     CurveForm, Curves, Discs, Geometry, GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval,
-    LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, MovingTriangles, PointHit, PrimitiveId, Quads,
-    Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres, Structure, Threads,
-    TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
+    LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, MovingQuads, MovingTriangles, PointHit,
+    PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres,
+    Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
 pub use inside::Side;

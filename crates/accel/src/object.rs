@@ -18,13 +18,13 @@ mod store;
 
 use std::sync::OnceLock;
 
-use gnurt_accel_bvh::{BlockIndex, BvhIndex, MotionIndex};
+use gnurt_accel_bvh::{BlockIndex, BvhIndex, MotionIndex, MovingUserIndex};
 use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
-use kind::{Group, Kind};
+use kind::{Group, Kind, Times};
 use locations::Locations;
 
 use crate::coherent::by_direction_class;
@@ -47,10 +47,11 @@ pub struct ObjectTree {
     locations: OnceLock<Locations>,
 }
 
-/// A tree over all primitives of one kind and mask.
+/// A tree over all primitives of one kind, mask and range of times.
 #[derive(Clone, Debug)]
 struct Part {
     mask: u32,
+    times: Times,
     index: Index,
 }
 
@@ -61,6 +62,8 @@ enum Index {
     Bvh(BvhIndex),
     /// Triangles that move while the shutter is open.
     Moving(MotionIndex),
+    /// User geometry that does, and all other primitives that do.
+    MovingUser(MovingUserIndex),
     /// All that is not a triangle: the list of its kinds is `blocks.rs` of `gnurt-accel-bvh`.
     Blocks(BlockIndex),
 }
@@ -72,6 +75,7 @@ macro_rules! each {
             Index::Research($tree) => $body,
             Index::Bvh($tree) => $body,
             Index::Moving($tree) => $body,
+            Index::MovingUser($tree) => $body,
             Index::Blocks($tree) => $body,
         }
     };
@@ -100,11 +104,12 @@ impl ObjectTree {
     #[must_use]
     pub fn same_tree(&self, other: &Self) -> bool {
         let same = |(a, b): (&Part, &Part)| {
-            a.mask == b.mask
+            (a.mask, a.times) == (b.mask, b.times)
                 && match (&a.index, &b.index) {
                     (Index::Research(a), Index::Research(b)) => a == b,
                     (Index::Bvh(a), Index::Bvh(b)) => a == b,
                     (Index::Moving(a), Index::Moving(b)) => a == b,
+                    (Index::MovingUser(a), Index::MovingUser(b)) => a.same_tree(b),
                     (Index::Blocks(a), Index::Blocks(b)) => a.same_tree(b),
                     _ => false,
                 }
@@ -120,7 +125,7 @@ impl ObjectTree {
         }
         for part in &self.parts {
             if part.mask & traversal.ray.mask != 0 && !traversal.is_over() {
-                part.index.ray(engine, traversal);
+                part.ray(engine, traversal);
             }
         }
     }
@@ -134,7 +139,7 @@ impl ObjectTree {
             traversal.scaled(&scaled, scale, |traversal| {
                 for part in self.parts.iter().filter(|part| part.mask & traversal.ray.mask != 0) {
                     if !traversal.is_over() {
-                        part.index.ray(engine, traversal);
+                        part.ray(engine, traversal);
                     }
                 }
             });
@@ -161,7 +166,7 @@ impl ObjectTree {
     /// For rays that have nothing in common.
     fn incoherent(&self, engine: &Engine, traversal: &mut TileTraversal) {
         let mut single = traversal.active;
-        if let [Part { index: Index::Bvh(index), mask }] = &self.parts[..]
+        if let [Part { index: Index::Bvh(index), mask, .. }] = &self.parts[..]
             && engine.has_tiles()
         {
             let direction_classes = engine.tiles.direction_classes(traversal.rays);
@@ -180,21 +185,23 @@ impl ObjectTree {
             let has_kernel = match &part.index {
                 Index::Research(index) => engine.research.tile(index, direction_class, traversal),
                 Index::Bvh(index) => engine.bvh.tile(index, direction_class, traversal),
-                Index::Moving(_) | Index::Blocks(_) => false,
+                Index::Moving(_) | Index::MovingUser(_) | Index::Blocks(_) => false,
             };
             if !has_kernel {
-                traversal.one_by_one(|traversal| part.index.ray(engine, traversal));
+                traversal.one_by_one(|traversal| part.ray(engine, traversal));
             }
         }
     }
 
     /// Improves the nearest point.
     pub(crate) fn nearest(&self, engine: &Engine, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
-        for part in self.parts.iter().filter(|part| part.mask & probe.mask != 0) {
+        let is_near = |part: &&Part| part.mask & probe.mask != 0 && part.times.local(0.0).is_some();
+        for part in self.parts.iter().filter(is_near) {
             match &part.index {
                 Index::Research(index) => index.nearest(probe, slot, nearest),
                 Index::Bvh(index) => engine.bvh.point(index, probe, slot, nearest),
                 Index::Moving(index) => engine.bvh.point(index.first(), probe, slot, nearest),
+                Index::MovingUser(index) => engine.bvh.moving_user_point(index, probe, slot, nearest),
                 Index::Blocks(index) => engine.bvh.blocks_point(index, probe, slot, nearest),
             }
         }
@@ -204,7 +211,7 @@ impl ObjectTree {
     #[inline(always)]
     pub(crate) fn only_tree(&self, mask: u32) -> Option<&BvhIndex> {
         match &self.parts[..] {
-            [Part { index: Index::Bvh(index), mask: own }] if own & mask != 0 && self.has_one_mesh() => {
+            [Part { index: Index::Bvh(index), mask: own, .. }] if own & mask != 0 && self.has_one_mesh() => {
                 Some(index)
             }
             _ => None,
@@ -233,9 +240,29 @@ impl Part {
         let kind = match &self.index {
             Index::Research(_) | Index::Bvh(_) => Kind::Surfaces,
             Index::Moving(index) => Kind::Moving(index.keys()),
+            Index::MovingUser(index) => Kind::MovingUser(index.keys()),
             Index::Blocks(index) => Kind::Blocks(index.sort()),
         };
-        (kind, self.mask)
+        (kind, self.mask, self.times)
+    }
+
+    /// Improves the ray's result; the ray is valid and regular.
+    #[inline(always)]
+    fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
+        if self.times.differ() {
+            self.ray_within(engine, traversal);
+        } else {
+            self.index.ray(engine, traversal);
+        }
+    }
+
+    /// The same where keys are not those of the open shutter.
+    #[cold]
+    fn ray_within(&self, engine: &Engine, traversal: &mut RayTraversal) {
+        if let Some(time) = self.times.local(traversal.ray.time) {
+            let (ray, origin, slot) = (traversal.ray.with_time(time), traversal.origin, traversal.slot);
+            self.index.ray(engine, &mut traversal.inside(&ray, origin, slot));
+        }
     }
 }
 
@@ -255,6 +282,7 @@ impl Index {
             Self::Research(index) => engine.research.ray(index, traversal),
             Self::Bvh(index) => engine.bvh.ray(index, traversal),
             Self::Moving(index) => engine.bvh.moving(index, traversal),
+            Self::MovingUser(index) => engine.bvh.moving_user(index, traversal),
             Self::Blocks(index) => engine.bvh.blocks(index, traversal),
         }
     }

@@ -21,6 +21,7 @@ mod instances;
 mod intervals;
 mod kd_build;
 mod kd_sampled;
+mod keyed;
 mod limits;
 mod masks;
 mod mixed;

@@ -64,6 +64,14 @@ const LIBRARIES: [Library; 3] = [
         package: "gnurt.pc",
     },
 ];
+/// The library of Embree's calls: as cargo names it, and as Embree's programs do. In a folder of its own, so that no program
+/// takes it for Embree unasked.
+const EMBREE: (&str, &str) = ("libgnurt_embree.so", "libembree4.so.4");
+/// That folder, below the one for libraries.
+const EMBREE_FOLDER: &str = "gnurt/embree";
+/// Its header and its pkg-config template.
+const EMBREE_HEADER: &str = "bindings/embree/include/gnurt/embree.h";
+const EMBREE_PACKAGE: (&str, &str) = ("bindings/embree/gnurt-embree.pc.in", "gnurt-embree.pc");
 /// The device that programs load by ANARI's loader: it has no headers, and is never linked.
 const DEVICE: &str = "libanari_library_gnurt.so";
 /// Its pkg-config template.
@@ -109,6 +117,8 @@ pub(crate) fn install_at(locations: &Locations) -> Result<(), Failure> {
                 "--package",
                 "gnurt-rays",
                 "--package",
+                "gnurt-embree",
+                "--package",
                 "gnurt-anari",
             ];
             command::run(command::cargo().args(["build", "--release"]).args(packages))?;
@@ -142,10 +152,16 @@ fn install(built: &Path, source: &Path, version: &str, locations: &Locations) ->
         let template = read(&source.join(library.template))?;
         write(&lib.join("pkgconfig").join(library.package), &locations.fill(&template, version))?;
     }
+    let (name, soname) = EMBREE;
+    let embree = lib.join(EMBREE_FOLDER);
+    copy_binary(&built.join(name), &embree.join(soname), locations.strips)?;
+    link(soname, &embree.join("libembree4.so"))?;
+    copy(&source.join(EMBREE_HEADER), &locations.put(&locations.include.join("gnurt/embree.h")))?;
     copy_binary(&built.join(DEVICE), &lib.join(DEVICE), locations.strips)?;
-    let (template, package) = DEVICE_PACKAGE;
-    let template = read(&source.join(template))?;
-    write(&lib.join("pkgconfig").join(package), &locations.fill(&template, version))?;
+    for (template, package) in [DEVICE_PACKAGE, EMBREE_PACKAGE] {
+        let template = read(&source.join(template))?;
+        write(&lib.join("pkgconfig").join(package), &locations.fill(&template, version))?;
+    }
     for (template, file) in CMAKE {
         let template = read(&source.join(template))?;
         write(&locations.put(&locations.cmake().join(file)), &locations.fill(&template, version))?;
@@ -215,6 +231,8 @@ mod tests {
             (built.join("libOpenRT.so"), "library"),
             (built.join("librtut.so"), "shapes"),
             (built.join("libgnurt_rays.so"), "rays"),
+            (built.join(EMBREE.0), "embree"),
+            (source.join(EMBREE_PACKAGE.0), "libdir=@libdir@\n"),
             (built.join(DEVICE), "device"),
             (source.join(DEVICE_PACKAGE.0), "libdir=@libdir@\n"),
             (source.join("bindings/anari/gnurt-anariConfig.cmake.in"), "@libdir_from_here@"),
@@ -225,7 +243,8 @@ mod tests {
             (source.join(LIBRARIES[1].template), "prefix=@prefix@\nRequires: openrt\n"),
             (source.join(LIBRARIES[2].template), "Libs: -lgnurt\n"),
             (source.join("bindings/rays/gnurtConfig.cmake.in"), "@libdir_from_here@"),
-            (source.join("bindings/rays/include/gnurt/embree.h"), "calls"),
+            (source.join("bindings/rays/include/gnurt/rays.h"), "queries"),
+            (source.join(EMBREE_HEADER), "calls"),
             (source.join("bindings/openrt/OpenRTConfig.cmake.in"), "@includedir_from_here@"),
             (source.join("bindings/openrt/OpenRTConfigVersion.cmake.in"), "@version@"),
             (source.join("bindings/openrt/include/openrt/rt.h"), "header"),
@@ -257,6 +276,8 @@ mod tests {
             ("lib/multi/librtut.so.0", "shapes"),
             ("lib/multi/libgnurt.so.1.2.3", "rays"),
             ("lib/multi/libgnurt.so", "rays"),
+            ("lib/multi/gnurt/embree/libembree4.so.4", "embree"),
+            ("lib/multi/gnurt/embree/libembree4.so", "embree"),
             ("lib/multi/libanari_library_gnurt.so", "device"),
             ("lib/multi/pkgconfig/gnurt-anari.pc", "libdir=${prefix}/lib/multi\n"),
             ("lib/multi/cmake/gnurt-anari/gnurt-anariConfig.cmake", "../.."),

@@ -27,7 +27,8 @@ pub(super) struct Part {
 }
 
 /// Our packages that are given away as programs and libraries.
-const GIVEN: [&str; 6] = ["gnurt-cli", "openrt", "rtut", "gnurt-rays", "gnurt-anari", "gnurt-python"];
+const GIVEN: [&str; 7] =
+    ["gnurt-cli", "openrt", "rtut", "gnurt-rays", "gnurt-embree", "gnurt-anari", "gnurt-python"];
 
 /// The parts of a build for a machine, by name and version.
 pub(super) fn of_packages(target: &str) -> Result<Vec<Part>, Failure> {

@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 27] = [
+const ARROWS: [(&str, &[&str]); 28] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -34,6 +34,8 @@ const ARROWS: [(&str, &[&str]); 27] = [
     ("rtut", &[]),
     ("python", &["accel", "gnurt", "cli"]),
     ("rays", &["accel"]),
+    // Tests of programs that use both.
+    ("embree", &["accel", "rays"]),
     ("examples", &["accel", "gnurt"]),
 ];
 

@@ -27,7 +27,7 @@ pub struct Inputs<'a> {
 
 impl<'a> Inputs<'a> {
     /// The tree's geometries, and their indices.
-    fn own(&self) -> impl Iterator<Item = (usize, &'a Geometry<'a>)> {
+    pub(crate) fn own(&self) -> impl Iterator<Item = (usize, &'a Geometry<'a>)> {
         self.geometries.iter().enumerate().filter(|(_, geometry)| (self.accept)(geometry))
     }
 
@@ -36,7 +36,7 @@ impl<'a> Inputs<'a> {
         self.own().map(|(i, _)| self.numbering.range(i).len() as u64).sum()
     }
 
-    fn shared<B: BlockKind>(&self) -> Shared<B> {
+    pub(crate) fn shared<B: BlockKind>(&self) -> Shared<B> {
         let own = self.own();
         Shared(own.map(|(i, geometry)| (self.numbering.starts[i], B::data(&geometry.kind))).collect())
     }

@@ -24,6 +24,12 @@ impl Cubic {
         Self { powers }
     }
 
+    /// Between this one and another, by the weights of the two.
+    pub(super) fn mixed(&self, to: &Self, [a, b]: [f64; 2]) -> Self {
+        let mix = |i: usize| [0, 1, 2, 3].map(|k| a * self.powers[i][k] + b * to.powers[i][k]);
+        Self { powers: [mix(0), mix(1), mix(2), mix(3)] }
+    }
+
     #[inline(always)]
     pub(super) fn at(&self, t: f64) -> [f64; 4] {
         let [a, b, c, d] = &self.powers;

@@ -60,8 +60,10 @@ pub struct Curves<'a> {
     /// By curve: bit 0 if it goes on from the curve that ends at its first vertex, bit 1 if another one goes on from it.
     /// Empty: where the neighbours in `indices` say so. Straight round curves have no cap where another goes on.
     pub joints: &'a [u8],
-    /// Whether straight round curves are hit from outside only, as by Embree.
+    /// Whether round curves are hit from outside only, as Embree's straight ones are.
     pub is_seen_from_outside: bool,
+    /// In how many straight pieces of equal parameters a bent ribbon that faces rays is cut, as Embree does it; 0 for none.
+    pub pieces: u8,
 }
 
 impl<'a> Curves<'a> {
@@ -158,8 +160,11 @@ impl<'a> Curves<'a> {
         }
         if self.basis != CurveBasis::Linear {
             let cubic = self.cubic(prim_id)?;
-            let is_flat = self.form == CurveForm::Flat;
-            return Some(if is_flat { Segment::Flat(cubic) } else { Segment::Round(cubic) });
+            return Some(match (self.form, self.pieces) {
+                (CurveForm::Flat, 0) => Segment::Flat(cubic),
+                (CurveForm::Flat, pieces) => Segment::Pieces(cubic, pieces),
+                _ => Segment::Round(cubic, self.is_seen_from_outside),
+            });
         }
         let &[a, b] = self.of(self.vertices, prim_id)? else { return None };
         let ends = [a, b].map(|end| end.map(f64::from));
@@ -255,6 +260,7 @@ pub struct OwnedCurves {
     pub normal_tangents: Vec<[f32; 3]>,
     pub joints: Vec<u8>,
     pub is_seen_from_outside: bool,
+    pub pieces: u8,
 }
 
 impl OwnedCurves {
@@ -269,6 +275,7 @@ impl OwnedCurves {
             normal_tangents: curves.normal_tangents.to_vec(),
             joints: curves.joints.to_vec(),
             is_seen_from_outside: curves.is_seen_from_outside,
+            pieces: curves.pieces,
         }
     }
 
@@ -285,6 +292,7 @@ impl OwnedCurves {
             normal_tangents: &self.normal_tangents,
             joints: &self.joints,
             is_seen_from_outside: self.is_seen_from_outside,
+            pieces: self.pieces,
         }
     }
 

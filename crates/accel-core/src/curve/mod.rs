@@ -8,6 +8,7 @@ mod cone;
 mod cubic;
 mod input;
 mod near;
+mod pieces;
 mod ray;
 mod ribbon;
 mod segment;

@@ -17,7 +17,7 @@ impl Segment {
     /// The offset from the probe to the nearest point of the part between two parameters, and its parameter.
     #[must_use]
     pub fn nearest(&self, probe: &Probe, [from, to]: [f64; 2]) -> (Vector, f64) {
-        let is_round = matches!(self, Self::Round(_) | Self::Cone { .. });
+        let is_round = matches!(self, Self::Round(..) | Self::Cone { .. });
         let distance = |t: f64| {
             let offset = probe.offset(place(self.at(t)));
             let axis = dot(offset, offset).sqrt();

@@ -6,7 +6,7 @@
 use super::cubic::Cubic;
 use super::ray::{CurveHit, RayFrame};
 use super::ribbon::across;
-use super::{Vector, along, cone, cross, dot, minus, place, ribbon, scaled, tube};
+use super::{Vector, along, cone, cross, dot, minus, pieces, place, ribbon, scaled, tube};
 use crate::aabb::Aabb;
 
 /// A curve in one of the forms that have tests of their own.
@@ -23,18 +23,53 @@ pub enum Segment {
     },
     /// A ribbon that faces the ray.
     Flat(Cubic),
-    /// A tube.
-    Round(Cubic),
+    /// The same in so many straight pieces.
+    Pieces(Cubic, u8),
+    /// A tube, and whether it is hit from outside only.
+    Round(Cubic, bool),
     /// A ribbon across normals, which are Bezier's control points.
     Oriented(Cubic, [Vector; 4]),
 }
 
 impl Segment {
+    /// Between this one and another of the same form, by the weights of the two: its vertices are between theirs.
+    #[must_use]
+    pub fn mixed(&self, to: &Self, weights: [f64; 2]) -> Self {
+        let [a, b] = weights;
+        let point = |p: &[f64; 4], q: &[f64; 4]| [0, 1, 2, 3].map(|k| a * p[k] + b * q[k]);
+        let vector = |p: &Vector, q: &Vector| [0, 1, 2].map(|k| a * p[k] + b * q[k]);
+        let joint =
+            |p: &Option<[f64; 4]>, q: &Option<[f64; 4]>| p.as_ref().zip(q.as_ref()).map(|(p, q)| point(p, q));
+        match (self, to) {
+            (Self::FlatLine(p), Self::FlatLine(q)) => Self::FlatLine([0, 1].map(|i| point(&p[i], &q[i]))),
+            (
+                Self::Cone { ends: p, before, after, is_seen_from_outside },
+                Self::Cone { ends: q, before: before_to, after: after_to, .. },
+            ) => Self::Cone {
+                ends: [0, 1].map(|i| point(&p[i], &q[i])),
+                before: joint(before, before_to),
+                after: joint(after, after_to),
+                is_seen_from_outside: *is_seen_from_outside,
+            },
+            (Self::Flat(p), Self::Flat(q)) => Self::Flat(p.mixed(q, weights)),
+            (Self::Pieces(p, pieces), Self::Pieces(q, _)) => Self::Pieces(p.mixed(q, weights), *pieces),
+            (Self::Round(p, from_outside), Self::Round(q, _)) => {
+                Self::Round(p.mixed(q, weights), *from_outside)
+            }
+            (Self::Oriented(p, m), Self::Oriented(q, n)) => {
+                Self::Oriented(p.mixed(q, weights), [0, 1, 2, 3].map(|i| vector(&m[i], &n[i])))
+            }
+            _ => *self,
+        }
+    }
+
     /// The cubic, where it is one.
     fn cubic(&self) -> Option<&Cubic> {
         match self {
             Self::FlatLine(_) | Self::Cone { .. } => None,
-            Self::Flat(cubic) | Self::Round(cubic) | Self::Oriented(cubic, _) => Some(cubic),
+            Self::Flat(cubic) | Self::Pieces(cubic, _) | Self::Round(cubic, _) | Self::Oriented(cubic, _) => {
+                Some(cubic)
+            }
         }
     }
 
@@ -45,7 +80,9 @@ impl Segment {
             Self::FlatLine([a, b]) | Self::Cone { ends: [a, b], .. } => {
                 [0, 1, 2, 3].map(|k| a[k] + t * (b[k] - a[k]))
             }
-            Self::Flat(cubic) | Self::Round(cubic) | Self::Oriented(cubic, _) => cubic.at(t),
+            Self::Flat(cubic) | Self::Pieces(cubic, _) | Self::Round(cubic, _) | Self::Oriented(cubic, _) => {
+                cubic.at(t)
+            }
         }
     }
 
@@ -60,8 +97,13 @@ impl Segment {
         // The deviation from the chord falls with the square of the number.
         let widest = (0..=4).map(|i| cubic.at(f64::from(i) / 4.0)[3]).fold(0.0, f64::max);
         let allowed = (0.02 * length).max(0.5 * widest);
+        let most = match self {
+            // No straight piece is in two parts.
+            Self::Pieces(_, pieces) => 8.min(1 << pieces.trailing_zeros()),
+            _ => 8,
+        };
         let mut parts = 1;
-        while parts < 8 && bend / f64::from(8 * parts * parts) > allowed {
+        while parts < most && bend / f64::from(8 * parts * parts) > allowed {
             parts *= 2;
         }
         parts
@@ -110,7 +152,15 @@ impl Segment {
             }
             Self::Flat(cubic) => ribbon::meet_flat(cubic, ray, part, hit),
             Self::Oriented(cubic, normals) => ribbon::meet_oriented(cubic, normals, ray, part, hit),
-            Self::Round(cubic) => tube::meet(cubic, ray, part, hit),
+            Self::Pieces(cubic, pieces) => pieces::meet(cubic, *pieces, ray, part, hit),
+            Self::Round(cubic, false) => tube::meet(cubic, ray, part, hit),
+            Self::Round(cubic, true) => tube::meet(cubic, ray, part, &mut |found| {
+                let point = along(ray.org, found.t, ray.dir);
+                let normal = self.normal(found.u, found.v, Some(point));
+                if normal.is_some_and(|normal| dot(normal, ray.dir) < 0.0) {
+                    hit(found);
+                }
+            }),
         }
     }
 
@@ -119,9 +169,9 @@ impl Segment {
     #[must_use]
     pub fn normal(&self, u: f64, v: f64, point: Option<Vector>) -> Option<Vector> {
         match self {
-            Self::FlatLine(_) | Self::Flat(_) => None,
+            Self::FlatLine(_) | Self::Flat(_) | Self::Pieces(..) => None,
             Self::Cone { .. } => Some(minus(point?, place(self.at(u)))),
-            Self::Round(cubic) => {
+            Self::Round(cubic, _) => {
                 let out = minus(point?, place(cubic.at(u)));
                 let (slope, bend) = (cubic.slope(u), place(cubic.bend(u)));
                 let (speed, radius) = (dot(place(slope), place(slope)).sqrt(), cubic.at(u)[3]);

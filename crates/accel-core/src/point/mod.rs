@@ -10,10 +10,12 @@
 mod disc;
 mod probe;
 mod shapes;
+mod sphere;
 
 pub use disc::{on_disc, through_disc};
 pub use probe::Probe;
 pub use shapes::{on_sphere, on_triangle};
+pub use sphere::through_sphere;
 
 use crate::hit::Hit;
 use crate::nearest::Nearest;

@@ -4,7 +4,7 @@
 
 use std::sync::OnceLock;
 
-use gnurt_accel_bvh::{BvhIndex, Inputs, MotionIndex, Screen};
+use gnurt_accel_bvh::{BvhIndex, Inputs, MotionIndex, MovingUserIndex, Screen};
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::surfaces::Surfaces;
@@ -81,8 +81,8 @@ impl ObjectTree {
         }
         let mut parts = Vec::new();
         let mut stats = TreeStats::default();
-        for (kind, mask) in groups {
-            let in_group = |geometry: &Geometry| group_of(geometry) == (kind, mask);
+        for (kind, mask, times) in groups {
+            let in_group = |geometry: &Geometry| group_of(geometry) == (kind, mask, times);
             let (quality, memory) = (options.quality, options.memory);
             let mut triangles = None;
             watch.result()?;
@@ -135,6 +135,13 @@ impl ObjectTree {
                         None => continue,
                     }
                 }
+                Kind::MovingUser(keys) => {
+                    let inputs = Inputs { geometries, numbering: &numbering, accept: &in_group };
+                    match MovingUserIndex::build(&inputs, keys, &mut bad, quality, threads, &watch)? {
+                        Some(index) => Index::MovingUser(index),
+                        None => continue,
+                    }
+                }
                 Kind::Blocks(sort) => {
                     let inputs = Inputs { geometries, numbering: &numbering, accept: &in_group };
                     Index::Blocks(sort.build(&inputs, &mut bad, quality, memory, threads)?)
@@ -144,7 +151,7 @@ impl ObjectTree {
                 let measured = index.stats();
                 let primitives = triangles.unwrap_or(measured.primitives);
                 stats = both(stats, TreeStats { primitives, ..measured });
-                parts.push(Part { mask, index });
+                parts.push(Part { mask, times, index });
             }
         }
         let bounds = parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));

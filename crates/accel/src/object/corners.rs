@@ -8,7 +8,7 @@ use gnurt_accel_core::blocks::WIDTH;
 use gnurt_accel_core::primitive::Primitive;
 
 use super::locations::Locations;
-use super::{Index, ObjectTree};
+use super::{Index, ObjectTree, Part};
 use crate::{Hit, INVALID_ID};
 
 impl Index {
@@ -18,6 +18,7 @@ impl Index {
             Self::Research(index) => index.numbers(visit),
             Self::Bvh(index) => index.numbers(visit),
             Self::Moving(index) => index.first().numbers(visit),
+            Self::MovingUser(index) => index.numbers(visit),
             Self::Blocks(index) => index.numbers(visit),
         }
     }
@@ -27,6 +28,7 @@ impl Index {
             Self::Research(index) => Primitive::Triangle(index.corners_at(number, block, lane)),
             Self::Bvh(index) => Primitive::Triangle(index.corners_at(block, lane)),
             Self::Moving(index) => Primitive::Triangle(index.corners_at(block, lane, time)),
+            Self::MovingUser(index) => index.primitive(block, lane),
             Self::Blocks(index) => index.primitive(block, lane),
         }
     }
@@ -55,8 +57,8 @@ impl ObjectTree {
         })
     }
 
-    /// A primitive, or half of a quad, at a time; `None` for an untraceable one.
-    fn primitive(&self, number: u32, time: f32) -> Option<Primitive<'_>> {
+    /// A primitive, or half of a quad, at a time, and that as its keys have it; `None` for an untraceable one.
+    fn primitive(&self, number: u32, time: f32) -> Option<(Primitive<'_>, f32)> {
         let locations = self.locations();
         let location = *locations.of_number.get(number as usize)?;
         if location == INVALID_ID {
@@ -64,7 +66,9 @@ impl ObjectTree {
         }
         let part = locations.starts.partition_point(|&start| start <= location) - 1;
         let within = (location - locations.starts[part]) as usize;
-        Some(self.parts[part].index.primitive(number, within / WIDTH, within % WIDTH, time))
+        let Part { times, index, .. } = &self.parts[part];
+        let time = times.local(time).unwrap_or(0.0);
+        Some((index.primitive(number, within / WIDTH, within % WIDTH, time), time))
     }
 
     /// The normal of a hit at a time, in the object's space and of any length: of triangles and quads on the
@@ -83,7 +87,8 @@ impl ObjectTree {
         } else {
             self.primitive(number, time)
         };
-        match found? {
+        let (found, time) = found?;
+        match found {
             Primitive::Triangle([a, b, c]) => {
                 let edge = |p: [f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(a[k]));
                 let (u, v) = (edge(b), edge(c));
@@ -94,7 +99,7 @@ impl ObjectTree {
             Primitive::Curve(curves, prim_id, _) => {
                 curves.segment(prim_id)?.normal(f64::from(hit.u), f64::from(hit.v), at)
             }
-            Primitive::User(..) => None,
+            Primitive::User(user, prim_id) => user.normal(prim_id, [hit.u, hit.v], at, time),
         }
     }
 }

@@ -61,7 +61,7 @@ impl ObjectTree {
                 }
                 other => other.clone(),
             };
-            Ok(Part { mask: part.mask, index })
+            Ok(Part { mask: part.mask, times: part.times, index })
         };
         let parts = self.parts.iter().map(part).collect::<Result<_, _>>()?;
         let (groups, bad, bounds, stats) = (self.groups.clone(), self.bad, self.bounds, self.stats);

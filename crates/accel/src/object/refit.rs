@@ -64,7 +64,7 @@ impl ObjectTree {
             let in_group = |geometry: &Geometry| group_of(geometry) == group;
             let mut primitives = None;
             match &mut part.index {
-                Index::Moving(_) => return Err(RefitError::Structure),
+                Index::Moving(_) | Index::MovingUser(_) => return Err(RefitError::Structure),
                 Index::Research(index) => {
                     index.refit(&Surfaces::new(geometries, &numbering, in_group), threads)?
                 }
@@ -94,7 +94,7 @@ impl ObjectTree {
     pub(crate) fn knows_refits(&self) -> bool {
         self.parts.iter().all(|part| match &part.index {
             Index::Research(index) => index.knows_refits(),
-            Index::Moving(_) => false,
+            Index::Moving(_) | Index::MovingUser(_) => false,
             Index::Bvh(_) | Index::Blocks(_) => true,
         })
     }
@@ -129,7 +129,9 @@ fn check_empty(
     let others = (0..geometries.len()).filter(|&i| group_of(&geometries[i]) == group);
     let is_empty = match group.0 {
         Kind::Surfaces => !surfaces.numbers().flatten().any(|number| surfaces.judge(number, bad)),
-        Kind::Moving(_) | Kind::Blocks(_) => others.map(|i| numbering.range(i).len()).sum::<usize>() == 0,
+        Kind::Moving(_) | Kind::MovingUser(_) | Kind::Blocks(_) => {
+            others.map(|i| numbering.range(i).len()).sum::<usize>() == 0
+        }
     };
     if is_empty { Ok(()) } else { Err(RefitError::OtherPrimitives) }
 }

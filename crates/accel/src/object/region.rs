@@ -5,7 +5,7 @@ use gnurt_accel_core::exact::InstancePath;
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::Region;
 
-use super::{Index, ObjectTree};
+use super::{Index, ObjectTree, Part};
 use crate::surfaces::SurfaceInRegion;
 
 impl ObjectTree {
@@ -18,7 +18,8 @@ impl ObjectTree {
         path: Option<&InstancePath>,
         visit: &mut dyn FnMut(&SurfaceInRegion),
     ) {
-        for part in self.parts.iter().filter(|part| part.mask & mask != 0) {
+        let is_met = |part: &&Part| part.mask & mask != 0 && part.times.local(0.0).is_some();
+        for part in self.parts.iter().filter(is_met) {
             let region_filter = region.region_filter(part.index.bounds().greatest());
             let visit = &mut |number: u32, primitive: Primitive| {
                 visit(&SurfaceInRegion { slot, number, primitive, path, region });
@@ -27,6 +28,7 @@ impl ObjectTree {
                 Index::Research(index) => index.filter_region(&region_filter, visit),
                 Index::Bvh(index) => index.filter_region(&region_filter, visit),
                 Index::Moving(index) => index.first().filter_region(&region_filter, visit),
+                Index::MovingUser(index) => index.filter_region(&region_filter, visit),
                 Index::Blocks(index) => index.filter_region(&region_filter, visit),
             }
         }

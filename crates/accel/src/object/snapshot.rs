@@ -3,6 +3,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::kind::Times;
 use super::{Index, ObjectTree, Part};
 use crate::Aabb;
 
@@ -10,7 +11,7 @@ impl ObjectTree {
     /// Whether there are meshes in it that move while the shutter is open.
     #[must_use]
     pub fn moves(&self) -> bool {
-        self.parts.iter().any(|part| matches!(part.index, Index::Moving(_)))
+        self.parts.iter().any(|part| matches!(part.index, Index::Moving(_) | Index::MovingUser(_)))
     }
 
     /// The object at one time; all its queries refer to that time. Costs a pass over the moving parts; an
@@ -20,14 +21,16 @@ impl ObjectTree {
         if !self.moves() {
             return self.clone();
         }
-        let part = |Part { mask, index }: &Part| {
+        let part = |Part { mask, times, index }: &Part| {
+            let time = times.local(time)?;
             let index = match index {
                 Index::Moving(moving) => Index::Bvh(moving.at(time)),
+                Index::MovingUser(moving) => Index::Blocks(moving.at(time)),
                 still => still.clone(),
             };
-            Part { mask: *mask, index }
+            Some(Part { mask: *mask, times: Times::SHUTTER, index })
         };
-        let parts: Vec<Part> = self.parts.iter().map(part).collect();
+        let parts: Vec<Part> = self.parts.iter().filter_map(part).collect();
         let bounds = parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));
         Arc::new(Self {
             bounds,

@@ -10,6 +10,7 @@ use gnurt_accel_core::geometry::{Numbering, geometry_of};
 use gnurt_accel_core::store::{Reader, Writer};
 
 use super::build::both;
+use super::kind::Times;
 use super::{Index, ObjectTree, Part};
 use crate::research::ResearchIndex;
 use crate::{Aabb, BadPrimitives, LoadError, MOST_TRIANGLES, Memory, TreeStats, TriangleTest};
@@ -50,7 +51,7 @@ impl ObjectTree {
         }
         save_stats(&mut writer, &self.stats)?;
         writer.number(self.parts.len() as u64)?;
-        for Part { mask, index } in &self.parts {
+        for Part { mask, index, .. } in &self.parts {
             writer.number(u64::from(*mask))?;
             writer.number(match index {
                 Index::Bvh(index) if index.is_compact() => COMPACT_BVH,
@@ -60,7 +61,7 @@ impl ObjectTree {
                     TriangleTest::Projected => KD_PROJECTED,
                 },
                 Index::Blocks(index) => index.in_files()?,
-                Index::Moving(_) => {
+                Index::Moving(_) | Index::MovingUser(_) => {
                     return Err(io::Error::new(
                         io::ErrorKind::Unsupported,
                         "meshes with several keys cannot be saved",
@@ -73,7 +74,7 @@ impl ObjectTree {
                 Index::Research(index) => index.save(&mut writer)?,
                 Index::Bvh(index) => index.save(&mut writer)?,
                 Index::Blocks(index) => index.save(&mut writer)?,
-                Index::Moving(_) => {}
+                Index::Moving(_) | Index::MovingUser(_) => {}
             }
         }
         writer.end()
@@ -130,7 +131,7 @@ impl ObjectTree {
                     None => return Err(LoadError::Damaged("a tree is of no kind")),
                 },
             };
-            parts.push(Part { mask, index });
+            parts.push(Part { mask, times: Times::SHUTTER, index });
         }
         reader.end()?;
 
@@ -153,7 +154,7 @@ impl ObjectTree {
                 Index::Research(index) => index.check(count)?,
                 Index::Bvh(index) => index.check(count)?,
                 Index::Blocks(index) => index.check(count)?,
-                Index::Moving(_) => {}
+                Index::Moving(_) | Index::MovingUser(_) => {}
             }
             bounds = bounds.union(&index.bounds());
             measured = both(measured, index.stats());

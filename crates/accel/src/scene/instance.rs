@@ -188,6 +188,7 @@ impl PlacedInstance {
     pub(super) fn exact(&self, time: f32) -> Option<Exact> {
         match &self.at {
             At::Still { exact, .. } => Some(*exact),
+            At::Path(path) if !path.is_there(time) => None,
             At::Piece(..) | At::Path(_) => Exact::new(&self.columns(time)),
         }
     }
@@ -268,6 +269,10 @@ fn carry_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<
 fn boxes_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<Vec<Aabb>> {
     if object.is_empty() {
         return None;
+    }
+    if motion.is_partial() {
+        let whole = carry_along(motion, object, origin)?.nearest();
+        return Some(vec![whole; 2]);
     }
     let pieces = motion.straight_pieces();
     // By piece: position within it, and box.

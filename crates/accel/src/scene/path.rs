@@ -16,6 +16,8 @@ use super::rotation::{Columns, Rotation};
 pub struct MotionPath {
     keys: Vec<[[f64; 3]; 4]>,
     pieces: Vec<Piece>,
+    /// Of the first key and the last.
+    times: [f32; 2],
 }
 
 /// The piece between two keys: all data for a ray between them, contiguous in memory.
@@ -32,12 +34,24 @@ enum Linear {
     /// It stays: the rows of its inverse.
     Stays([[f64; 3]; 3]),
     Rotating(Rotation),
+    /// Its columns go straight, which shears on the way.
+    Straight([[[f64; 3]; 3]; 2]),
 }
 
+/// Between two linear parts, entry by entry.
+#[inline(always)]
+fn mixed([from, to]: &[[[f64; 3]; 3]; 2], share: f64) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|c| [0, 1, 2].map(|k| (1.0 - share) * from[c][k] + share * to[c][k]))
+}
+
+/// The times of keys that have no others.
+const SHUTTER: [f32; 2] = [0.0, 1.0];
+
 impl Piece {
-    fn new(from: &Columns, to: &Columns) -> Option<Self> {
+    fn new(from: &Columns, to: &Columns, is_straight: bool) -> Option<Self> {
         let linear = match from[..3] == to[..3] {
             true => Linear::Stays(inverse(from)?),
+            false if is_straight => Linear::Straight([from, to].map(|key| [key[0], key[1], key[2]])),
             false => Linear::Rotating(Rotation::new(from, to)?),
         };
         Some(Self { translations: [from[3], to[3]], linear })
@@ -53,6 +67,10 @@ impl Piece {
                 let [x, y, z] = rotation.linear(share);
                 inverse(&[x, y, z, translation])?
             }
+            Linear::Straight(ends) => {
+                let [x, y, z] = mixed(ends, share);
+                inverse(&[x, y, z, translation])?
+            }
         };
         Some(Stand { rows, translation })
     }
@@ -66,7 +84,7 @@ impl Piece {
 
     fn angle(&self) -> f64 {
         match &self.linear {
-            Linear::Stays(_) => 0.0,
+            Linear::Stays(_) | Linear::Straight(_) => 0.0,
             Linear::Rotating(rotation) => rotation.angle(),
         }
     }
@@ -74,7 +92,7 @@ impl Piece {
     /// In how many steps a box follows it, and by how much at most a point of the box leaves the straight line within one.
     fn steps(&self, object: &Box64) -> (f64, f64) {
         match &self.linear {
-            Linear::Stays(_) => (1.0, 0.0),
+            Linear::Stays(_) | Linear::Straight(_) => (1.0, 0.0),
             Linear::Rotating(rotation) => rotation.steps(object),
         }
     }
@@ -87,6 +105,24 @@ impl MotionPath {
     /// more than half a circle. `None` if there is no transform, or if one is flat or not finite.
     #[must_use]
     pub fn new(translations: &[[[f64; 3]; 4]]) -> Option<Self> {
+        Self::through(translations, false)
+    }
+
+    /// The same, but entries of the transforms go straight from key to key, and so do all points of an object. A rotation by
+    /// half a circle goes through a flat object that no ray sees.
+    #[must_use]
+    pub fn straight(keys: &[[[f64; 3]; 4]]) -> Option<Self> {
+        Self::through(keys, true)
+    }
+
+    /// The same path with its keys from one time to another, which may lie outside of 0 to 1. Before and after these no
+    /// ray sees the instance.
+    #[must_use]
+    pub fn within(self, times: [f32; 2]) -> Self {
+        Self { times, ..self }
+    }
+
+    fn through(translations: &[[[f64; 3]; 4]], is_straight: bool) -> Option<Self> {
         let first = translations.first()?;
         let mut keys = translations.to_vec();
         if keys.len() == 1 {
@@ -96,8 +132,9 @@ impl MotionPath {
         if !keys.iter().all(|key| is_sound(key) && inverse(key).is_some()) {
             return None;
         }
-        let pieces = keys.windows(2).map(|pair| Piece::new(&pair[0], &pair[1])).collect::<Option<_>>()?;
-        Some(Self { keys, pieces })
+        let pieces =
+            keys.windows(2).map(|pair| Piece::new(&pair[0], &pair[1], is_straight)).collect::<Option<_>>()?;
+        Some(Self { keys, pieces, times: SHUTTER })
     }
 
     /// The transforms that it was made from, two at least.
@@ -106,10 +143,33 @@ impl MotionPath {
         &self.keys
     }
 
+    /// How far a time is from the first key to the last.
+    #[inline(always)]
+    fn local(&self, time: f32) -> f32 {
+        let [from, to] = self.times;
+        if self.times == SHUTTER {
+            time
+        } else if to > from {
+            (time - from) / (to - from)
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether its keys are not those of the open shutter.
+    pub(super) fn is_partial(&self) -> bool {
+        self.times != SHUTTER
+    }
+
+    /// Whether a time is between the first key and the last.
+    pub(super) fn is_there(&self, time: f32) -> bool {
+        !self.is_partial() || time >= self.times[0] && time <= self.times[1]
+    }
+
     /// The instance's transform at a time; times outside of 0 to 1 are clamped, NaN is 0.
     #[must_use]
     pub fn at(&self, time: f32) -> [[f64; 3]; 4] {
-        let (piece, share) = share_of(time, self.pieces.len());
+        let (piece, share) = share_of(self.local(time), self.pieces.len());
         self.segment(piece, share)
     }
 
@@ -126,13 +186,17 @@ impl MotionPath {
         let [x, y, z] = match &piece.linear {
             Linear::Stays(_) => [from[0], from[1], from[2]],
             Linear::Rotating(rotation) => rotation.linear(share),
+            Linear::Straight(ends) => mixed(ends, share),
         };
         [x, y, z, translation]
     }
 
-    /// The same for rays; `None` at a time at which the object is flat.
+    /// The same for rays; `None` at a time at which the object is flat or not there.
     pub(super) fn stand(&self, time: f32) -> Option<Stand> {
-        let (number, share) = share_of(time, self.pieces.len());
+        if !self.is_there(time) {
+            return None;
+        }
+        let (number, share) = share_of(self.local(time), self.pieces.len());
         if share == 0.0 || share == 1.0 {
             let columns = &self.keys[number + usize::from(share == 1.0)];
             return Some(Stand { rows: inverse(columns)?, translation: columns[3] });
@@ -142,7 +206,10 @@ impl MotionPath {
 
     /// The only piece, where there is one only.
     pub(super) fn only_piece(&self) -> Option<&Piece> {
-        if let [only] = &self.pieces[..] { Some(only) } else { None }
+        match &self.pieces[..] {
+            [only] if !self.is_partial() => Some(only),
+            _ => None,
+        }
     }
 
     /// Calls `visit` with successive pairs of transforms along the path, and a bound on the distance of the

@@ -47,6 +47,9 @@ impl<'a> Stopped<'a> {
 
     fn instance(&mut self, slot: &Slot) -> Instance {
         match slot {
+            Slot::PlacedInstance(placed) if !placed.motion().is_none_or(|path| path.is_there(self.time)) => {
+                Instance::identity(self.nothing.clone())
+            }
             Slot::PlacedInstance(placed) => {
                 Instance::new(self.shape(&placed.shape), placed.columns(self.time)).with_mask(placed.mask)
             }

@@ -11,7 +11,7 @@ use std::ffi::c_int;
 use std::ptr::{from_ref, null};
 use std::sync::Arc;
 
-use gnurt_accel::{Aabb, Ray, UserGeometry, UserHit};
+use gnurt_accel::{Aabb, KeyInterval, Ray, UserGeometry, UserHit};
 
 use crate::device::Problem;
 use crate::ffi_abi::{
@@ -116,6 +116,9 @@ pub(crate) struct UserPrimitives {
     pub(crate) geom_id: u32,
     pub(crate) functions: UserFunctions,
     pub(crate) filters: Filters,
+    /// How many time steps there are.
+    steps: u32,
+    /// By primitive and time step.
     bounds: Vec<Aabb>,
 }
 
@@ -130,10 +133,12 @@ impl UserPrimitives {
         functions: UserFunctions,
         filters: Filters,
         count: u32,
+        steps: u32,
     ) -> Result<Self, Problem> {
-        let bounds = (0..count).map(|prim_id| bounds_of(&geometry, &functions, prim_id));
+        let all = (0..count).flat_map(|prim_id| (0..steps).map(move |step| (prim_id, step)));
+        let bounds = all.map(|(prim_id, step)| bounds_of(&geometry, &functions, prim_id, step));
         let bounds = bounds.collect::<Result<_, _>>()?;
-        Ok(Self { geometry, geom_id, functions, filters, bounds })
+        Ok(Self { geometry, geom_id, functions, filters, steps, bounds })
     }
 
     /// The ray as the program's test gets it.
@@ -203,12 +208,17 @@ impl UserPrimitives {
     }
 }
 
-fn bounds_of(geometry: &Geometry, functions: &UserFunctions, prim_id: u32) -> Result<Aabb, Problem> {
+fn bounds_of(
+    geometry: &Geometry,
+    functions: &UserFunctions,
+    prim_id: u32,
+    time_step: u32,
+) -> Result<Aabb, Problem> {
     let Some(function) = functions.bounds else { return Ok(Aabb::EMPTY) };
     let Aabb { min: lower, max: upper } = Aabb::EMPTY;
     let mut bounds = abi::Bounds { lower, align0: 0.0, upper, align1: 0.0 };
     let user_data = geometry.user_data();
-    let arguments = abi::BoundsArguments { user_data, prim_id, time_step: 0, bounds: &raw mut bounds };
+    let arguments = abi::BoundsArguments { user_data, prim_id, time_step, bounds: &raw mut bounds };
     // SAFETY: the program gave the function to be called like this; the arguments live during the call.
     ffi_catch::call(|| unsafe { function(&raw const arguments) })?;
     Ok(Aabb { min: bounds.lower, max: bounds.upper })
@@ -216,11 +226,19 @@ fn bounds_of(geometry: &Geometry, functions: &UserFunctions, prim_id: u32) -> Re
 
 impl UserGeometry for UserPrimitives {
     fn count(&self) -> u32 {
-        self.bounds.len() as u32
+        self.bounds.len() as u32 / self.steps
     }
 
     fn bounds(&self, prim_id: u32) -> Aabb {
-        self.bounds[prim_id as usize]
+        self.bounds_at(prim_id, 0)
+    }
+
+    fn keys(&self) -> u32 {
+        self.steps
+    }
+
+    fn bounds_at(&self, prim_id: u32, key: u32) -> Aabb {
+        self.bounds[(prim_id * self.steps + key) as usize]
     }
 
     fn intersect(&self, prim_id: u32, ray: &Ray, hit: &mut dyn FnMut(UserHit)) {
@@ -251,8 +269,14 @@ impl UserGeometry for UserPrimitives {
     }
 
     fn closest_point(&self, prim_id: u32, point: [f32; 3]) -> Option<[f32; 3]> {
+        self.closest_point_at(prim_id, point, 0.0)
+    }
+
+    fn closest_point_at(&self, prim_id: u32, point: [f32; 3], time: f32) -> Option<[f32; 3]> {
         // Only the program can measure it; its box bounds how near it may be.
-        let Aabb { min, max } = self.bounds[prim_id as usize];
+        let interval = KeyInterval::of(time, self.steps as usize);
+        let [from, to] = [interval.key, interval.next].map(|key| self.bounds_at(prim_id, key as u32));
+        let (min, max) = (interval.mix3(from.min, to.min), interval.mix3(from.max, to.max));
         Some([0, 1, 2].map(|k| point[k].clamp(min[k], max[k])))
     }
 }

@@ -100,7 +100,8 @@ impl FilteredQuery<'_> {
         let program_hit =
             hit_for_program(&located, hit, &self.ray, frame.context, has_arrays(self.committed));
         let ids = [program_hit.inst_id, program_hit.inst_prim_id];
-        let inward = located.shown_instance.map(|_| transform::inverse(&located.world_from_object()));
+        let inward =
+            located.shown_instance.map(|_| transform::inverse(&located.world_from_object(self.ray.time)));
         let user_data = located.surface.geometry.user_data();
         let shown = Candidate { t: hit.t, ids, inward, user_data };
         let (n, at) = (self.lane.n(), self.lane.at());

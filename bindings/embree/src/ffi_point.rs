@@ -14,7 +14,7 @@ use crate::ffi_abi::{INVALID, PointArguments, PointContext, PointFunction, Point
 use crate::ffi_callbacks::{call_program, take_thrown};
 use crate::ffi_handle::{Handle, not_committed, with};
 use crate::located::Located;
-use crate::objects::{Committed, Kind, Scene, run_query};
+use crate::objects::{Committed, Kind, Scene, run_query, run_tree};
 use crate::transform::{self, Columns, IDENTITY};
 
 /// Sixteen floats, column by column.
@@ -57,7 +57,7 @@ impl Visit {
             if let Some(shown_instance) = located.shown_instance
                 && before == 0
             {
-                let outward = located.world_from_object();
+                let outward = located.world_from_object((*query).time);
                 (*context).world_from_instance = matrix(&outward);
                 (*context).instance_from_world = matrix(&transform::inverse(&outward));
                 (*context).inst_id = shown_instance.geom_id;
@@ -101,7 +101,7 @@ unsafe fn columns_of(context: *const PointContext) -> Columns {
 /// As [`rtcPointQuery`].
 unsafe fn visit(committed: &Committed, visit: &mut Visit) {
     // SAFETY: passed on.
-    let PointQuery { point, radius, .. } = unsafe { *visit.query };
+    let PointQuery { point, radius, time } = unsafe { *visit.query };
     let point = transform::point(&visit.own, point.map(f64::from));
     let growth = transform::growth(&visit.own);
     let mut show = |hit: &gnurt_accel::PointHit| {
@@ -115,7 +115,12 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
         growth * unsafe { visit.show(&located, hit.prim_id) }
     };
     let radius = growth * f64::from(radius);
-    run_query!(committed, tree => tree.visit_near(&committed.query, point, radius, &mut show));
+    match if time == 0.0 { None } else { committed.tree_at(time) } {
+        Some(stopped) => {
+            run_tree!(&*stopped, tree => tree.visit_near(&committed.query, point, radius, &mut show))
+        }
+        None => run_query!(committed, tree => tree.visit_near(&committed.query, point, radius, &mut show)),
+    }
 }
 
 /// Shows primitives near a point. See Embree's manual; whether any answer was that the radius has changed.

@@ -8,14 +8,16 @@ use std::ffi::c_void;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-use gnurt_accel::{CurveBasis, CurveForm, MovingTree, ObjectTree, Query, SceneTree};
+use gnurt_accel::{
+    CurveBasis, CurveForm, KeyInterval, MotionPath, MovingTree, ObjectTree, Query, SceneTree, Threads,
+};
 
 use crate::device::Device;
-use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction};
+use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction, buffer, format};
 use crate::ffi_callbacks::{Callback, ProgressFunction};
 use crate::ffi_memory::{Block, Pointer, View};
 use crate::free_ids::FreeIds;
-use crate::transform::{Columns, IDENTITY};
+use crate::transform::{self, Columns, IDENTITY};
 
 /// The kind and data of a geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,11 +89,48 @@ pub(crate) struct Settings {
     pub(crate) user_count: u32,
     pub(crate) point: PointFunction,
     pub(crate) scenes: Vec<Arc<Scene>>,
-    pub(crate) instance_matrix: Columns,
+    /// In how many straight pieces bent ribbons that face rays are cut.
+    pub(crate) pieces: u8,
+    /// How many time steps it has.
+    pub(crate) steps: u32,
+    /// The times of the first step and of the last.
+    pub(crate) times: [f32; 2],
+    /// Of an instance, by time step.
+    pub(crate) instance_matrices: Vec<Columns>,
+    /// Whether these were set as quaternions: rotations follow the arc between them, while entries of matrices go straight.
+    pub(crate) turns: bool,
     pub(crate) attributes: u32,
 }
 
+/// The way of an instance through these matrices; `None` where it stands still, or cannot be placed.
+pub(crate) fn path(matrices: &[Columns], turns: bool, times: [f32; 2]) -> Option<Arc<MotionPath>> {
+    if matrices.len() < 2 {
+        return None;
+    }
+    let path = if turns { MotionPath::new(matrices) } else { MotionPath::straight(matrices) };
+    Some(Arc::new(path?.within(times)))
+}
+
 impl Settings {
+    /// Whether there are transforms of an array of instances.
+    pub(crate) fn has_maps(&self) -> bool {
+        self.arrays.contains_key(&(buffer::TRANSFORM, 0))
+    }
+
+    /// Where one of an array of instances is at each time step, and whether rotations follow the arc between these.
+    pub(crate) fn maps_of(&self, i: usize) -> Option<(Vec<Columns>, bool)> {
+        let mut turns = false;
+        let map = |step: u32| {
+            let maps = self.arrays.get(&(buffer::TRANSFORM, step))?;
+            let size = transform::size(maps.format)?;
+            turns |= maps.format == format::QUATERNION;
+            let values: Vec<f32> = (0..size).map_while(|k| maps.view.number(i, k)).collect();
+            (values.len() == size).then(|| transform::columns(maps.format, &values))
+        };
+        let maps = (0..self.steps).map(map).collect::<Option<_>>()?;
+        Some((maps, turns))
+    }
+
     /// Something was changed that the program has to commit.
     pub(crate) fn modified(&mut self) {
         self.is_committed = false;
@@ -133,7 +172,11 @@ impl Geometry {
             user_count: 0,
             point: None,
             scenes: Vec::new(),
-            instance_matrix: IDENTITY,
+            pieces: 4,
+            steps: 1,
+            times: [0.0, 1.0],
+            instance_matrices: vec![IDENTITY],
+            turns: false,
             attributes: 0,
         };
         let user_data = AtomicPtr::new(std::ptr::null_mut());
@@ -359,9 +402,30 @@ pub(crate) struct Committed {
     pub(crate) is_plain: bool,
     /// As reported to the memory monitor.
     pub(crate) bytes: i64,
+    /// The scene at the time of the last point query of another time than 0, and that time.
+    pub(crate) stopped: Mutex<Option<(f32, Arc<Tree>)>>,
 }
 
 impl Committed {
+    /// The tree at a time, where something in it moves.
+    pub(crate) fn tree_at(&self, time: f32) -> Option<Arc<Tree>> {
+        if !run_query!(self, tree => tree.moves()) {
+            return None;
+        }
+        let mut stopped = self.stopped.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*stopped {
+            Some((then, tree)) if *then == time => Some(Arc::clone(tree)),
+            _ => {
+                let tree = Arc::new(match &self.tree {
+                    Tree::Object(tree) => Tree::Object(tree.at(time)),
+                    Tree::Scene(tree) => Tree::Scene(Arc::new(tree.at(time, Threads::Single))),
+                });
+                *stopped = Some((time, Arc::clone(&tree)));
+                Some(tree)
+            }
+        }
+    }
+
     /// A geometry by its id.
     pub(crate) fn geometry(&self, id: u32) -> Option<&Arc<Geometry>> {
         let all = &self.geometries;
@@ -391,13 +455,32 @@ pub(crate) enum Tree {
 /// Runs an expression for either kind of tree, which have methods of the same names.
 macro_rules! run_query {
     ($committed:expr, $tree:ident => $answer:expr) => {
-        match &$committed.tree {
+        $crate::objects::run_tree!(&$committed.tree, $tree => $answer)
+    };
+}
+pub(crate) use run_query;
+
+/// The same for a tree.
+macro_rules! run_tree {
+    ($either:expr, $tree:ident => $answer:expr) => {
+        match $either {
             $crate::objects::Tree::Object($tree) => $answer,
             $crate::objects::Tree::Scene($tree) => $answer,
         }
     };
 }
-pub(crate) use run_query;
+pub(crate) use run_tree;
+
+/// Arrays of one time step.
+#[derive(Clone, Debug)]
+pub(crate) struct StepArrays {
+    /// Vertices, or centres and radii.
+    pub(crate) vertices: View,
+    /// By vertex, where curves and discs have them.
+    pub(crate) normals: View,
+    pub(crate) tangents: View,
+    pub(crate) normal_tangents: View,
+}
 
 /// A geometry of a committed scene that has its own primitives.
 #[derive(Debug)]
@@ -405,17 +488,48 @@ pub(crate) struct Surface {
     pub(crate) geom_id: u32,
     pub(crate) geometry: Arc<Geometry>,
     pub(crate) kind: Kind,
-    /// Vertices, or centres and radii.
-    pub(crate) vertices: View,
     pub(crate) indices: View,
-    /// By vertex, where curves and discs have them.
-    pub(crate) normals: View,
-    pub(crate) tangents: View,
-    pub(crate) normal_tangents: View,
+    /// At the first time step.
+    pub(crate) first: StepArrays,
+    /// At the others.
+    pub(crate) later: Vec<StepArrays>,
+    /// The times of the first step and of the last.
+    pub(crate) times: [f32; 2],
+    /// Of each bent ribbon that faces rays.
+    pub(crate) pieces: u8,
     /// By curve.
     pub(crate) joints: View,
     pub(crate) filters: Filters,
     pub(crate) point: PointFunction,
+}
+
+impl Surface {
+    /// The arrays of all time steps.
+    pub(crate) fn steps(&self) -> impl Iterator<Item = &StepArrays> {
+        std::iter::once(&self.first).chain(&self.later)
+    }
+
+    /// A row of an array at a time.
+    #[inline]
+    pub(crate) fn row<const N: usize>(
+        &self,
+        of: impl Fn(&StepArrays) -> &View,
+        i: usize,
+        time: f32,
+    ) -> Option<[f32; N]> {
+        if self.later.is_empty() {
+            return of(&self.first).get(i);
+        }
+        let [from, to] = self.times;
+        let share = if to > from { (time - from) / (to - from) } else { 0.0 };
+        let interval = KeyInterval::of(share, self.later.len() + 1);
+        let at = |key: usize| {
+            let step = if key == 0 { &self.first } else { self.later.get(key - 1)? };
+            of(step).get::<f32, N>(i)
+        };
+        let (from, to) = (at(interval.key)?, at(interval.next)?);
+        Some(std::array::from_fn(|k| interval.mix(from[k], to[k])))
+    }
 }
 
 /// A scene that is shown in another.
@@ -435,5 +549,16 @@ pub(crate) struct ShownInstance {
     pub(crate) prim_id: Option<u32>,
     /// `None` for the scene's own surfaces.
     pub(crate) shown: Option<Shown>,
+    /// At the first time step.
     pub(crate) world_from_instance: Columns,
+    /// Where it has several.
+    pub(crate) motion: Option<Arc<MotionPath>>,
+}
+
+impl ShownInstance {
+    /// Where it is at a time.
+    #[inline]
+    pub(crate) fn at(&self, time: f32) -> Columns {
+        self.motion.as_ref().map_or(self.world_from_instance, |motion| motion.at(time))
+    }
 }

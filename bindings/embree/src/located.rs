@@ -4,11 +4,11 @@
 //! length.
 //! Tests: `tests/c/embree.c`.
 
-use gnurt_accel::{CurveBasis, CurveForm, Curves, Hit};
+use gnurt_accel::{CurveBasis, CurveForm, Curves, Hit, Ray};
 
 use crate::ffi_memory::View;
 use crate::ffi_present::present;
-use crate::objects::{Committed, Kind, Shown, ShownInstance, Surface, Tree};
+use crate::objects::{Committed, Kind, Shown, ShownInstance, StepArrays, Surface, Tree};
 use crate::transform::{self, Columns, IDENTITY};
 
 /// A primitive of the program's.
@@ -76,40 +76,38 @@ fn as_it_is_now<'a>(shown: &'a Shown, surface: &'a Surface) -> Option<&'a Surfac
 }
 
 impl Located<'_> {
-    /// The map from the object to the world, out of all instances.
-    pub(crate) fn world_from_object(&self) -> Columns {
-        let outer = self.shown_instance.map_or(IDENTITY, |shown_instance| shown_instance.world_from_instance);
-        self.inner
-            .iter()
-            .fold(outer, |all, shown_instance| transform::after(&all, &shown_instance.world_from_instance))
+    /// The map from the object to the world at a time, out of all instances.
+    pub(crate) fn world_from_object(&self, time: f32) -> Columns {
+        let outer = self.shown_instance.map_or(IDENTITY, |shown_instance| shown_instance.at(time));
+        self.inner.iter().fold(outer, |all, shown_instance| transform::after(&all, &shown_instance.at(time)))
     }
 
     /// The point of a hit, in the geometry's space.
-    fn point(&self, hit: &Hit, org: [f32; 3], dir: [f32; 3]) -> [f64; 3] {
-        let at = [0, 1, 2].map(|k| f64::from(org[k]) + f64::from(hit.t) * f64::from(dir[k]));
+    fn point(&self, hit: &Hit, ray: &Ray) -> [f64; 3] {
+        let at = [0, 1, 2].map(|k| f64::from(ray.org[k]) + f64::from(hit.t) * f64::from(ray.dir[k]));
         match self.shown_instance {
             None => at,
-            Some(_) => transform::point(&transform::inverse(&self.world_from_object()), at),
+            Some(_) => transform::point(&transform::inverse(&self.world_from_object(ray.time)), at),
         }
     }
 
     /// The normal of a curve's hit; of ribbons that face rays the derivative along the curve, as by Embree.
-    fn normal_of_curve(
-        &self,
-        basis: CurveBasis,
-        form: CurveForm,
-        hit: &Hit,
-        org: [f32; 3],
-        dir: [f32; 3],
-    ) -> Option<[f32; 3]> {
+    fn normal_of_curve(&self, basis: CurveBasis, form: CurveForm, hit: &Hit, ray: &Ray) -> Option<[f32; 3]> {
         let surface = self.arrays?;
         let [first] = surface.indices.get::<u32, 1>(hit.prim_id as usize)?;
-        fn some<const N: usize>(view: &View, first: u32) -> Vec<[f32; N]> {
-            (0..4).map_while(|i| view.get::<f32, N>(first as usize + i)).collect()
+        fn some<const N: usize>(
+            surface: &Surface,
+            of: fn(&StepArrays) -> &View,
+            first: u32,
+            time: f32,
+        ) -> Vec<[f32; N]> {
+            (0..4).map_while(|i| surface.row(of, first as usize + i, time)).collect()
         }
-        let vertices = some::<4>(&surface.vertices, first);
-        let (tangents, normals) = (some(&surface.tangents, first), some(&surface.normals, first));
-        let normal_tangents = some(&surface.normal_tangents, first);
+        let time = ray.time;
+        let vertices = some(surface, |step| &step.vertices, first, time);
+        let tangents = some(surface, |step| &step.tangents, first, time);
+        let normals = some(surface, |step| &step.normals, first, time);
+        let normal_tangents = some(surface, |step| &step.normal_tangents, first, time);
         let curves = Curves {
             tangents: &tangents,
             normals: &normals,
@@ -119,7 +117,7 @@ impl Located<'_> {
         let (u, v) = (f64::from(hit.u), f64::from(hit.v));
         let normal = match form {
             CurveForm::Flat => curves.tangent(0, u),
-            _ => curves.normal(0, [u, v], self.point(hit, org, dir)),
+            _ => curves.normal(0, [u, v], self.point(hit, ray)),
         };
         Some(normal?.map(|x| x as f32))
     }
@@ -127,10 +125,12 @@ impl Located<'_> {
     /// The normal at a ray's hit, in the geometry's space; zeros for user geometry, which returns its own,
     /// and for removed geometry.
     #[inline]
-    pub(crate) fn normal(&self, hit: &Hit, org: [f32; 3], dir: [f32; 3]) -> [f32; 3] {
-        let Some(Surface { kind, vertices, indices, normals, .. }) = self.arrays else { return [0.0; 3] };
+    pub(crate) fn normal(&self, hit: &Hit, ray: &Ray) -> [f32; 3] {
+        let Some(surface) = self.arrays else { return [0.0; 3] };
+        let Surface { kind, indices, .. } = surface;
         let prim_id = hit.prim_id as usize;
-        let corner = |i: u32| vertices.get::<f32, 3>(i as usize).unwrap_or_default();
+        let corner =
+            |i: u32| surface.row::<3>(|step| &step.vertices, i as usize, ray.time).unwrap_or_default();
         match kind {
             // One by one: arrays' `map` is not inlined, which took a quarter of a call.
             Kind::Triangles => {
@@ -144,19 +144,20 @@ impl Located<'_> {
                 across(corner(a), corner(b), corner(c))
             }
             Kind::Spheres => {
-                let [x, y, z, _] = vertices.get::<f32, 4>(prim_id).unwrap_or_default();
-                let at = self.point(hit, org, dir);
+                let [x, y, z, _] =
+                    surface.row::<4>(|step| &step.vertices, prim_id, ray.time).unwrap_or_default();
+                let at = self.point(hit, ray);
                 [0, 1, 2].map(|k| (at[k] - f64::from([x, y, z][k])) as f32)
             }
-            Kind::Discs(true) => normals.get::<f32, 3>(prim_id).unwrap_or_default(),
+            Kind::Discs(true) => {
+                surface.row::<3>(|step| &step.normals, prim_id, ray.time).unwrap_or_default()
+            }
             Kind::Discs(false) => {
-                let rows = transform::inverse(&self.world_from_object());
-                let [from, to] = [[0.0; 3], dir.map(f64::from)].map(|p| transform::point(&rows, p));
+                let rows = transform::inverse(&self.world_from_object(ray.time));
+                let [from, to] = [[0.0; 3], ray.dir.map(f64::from)].map(|p| transform::point(&rows, p));
                 [0, 1, 2].map(|k| (from[k] - to[k]) as f32)
             }
-            Kind::Curves(basis, form) => {
-                self.normal_of_curve(*basis, *form, hit, org, dir).unwrap_or_default()
-            }
+            Kind::Curves(basis, form) => self.normal_of_curve(*basis, *form, hit, ray).unwrap_or_default(),
             Kind::User | Kind::Instance | Kind::Instances => [0.0; 3],
         }
     }

@@ -176,7 +176,7 @@ pub(crate) fn hit_for_program(
         None => (INVALID, INVALID),
     };
     abi::Hit {
-        normal: located.normal(hit, ray.org, ray.dir),
+        normal: located.normal(hit, ray),
         u: hit.u,
         v: hit.v,
         prim_id: hit.prim_id,

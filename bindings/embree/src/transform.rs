@@ -34,6 +34,8 @@ pub(crate) fn columns(of: u32, values: &[f32]) -> Columns {
 /// A decomposed map: scale, skew and shift first, then a rotation, then a translation.
 fn decomposed(values: &[f64; 16]) -> Columns {
     let [sx, sy, sz, xy, xz, yz, tx, ty, tz, r, i, j, k, px, py, pz] = *values;
+    let length = (r * r + i * i + j * j + k * k).sqrt();
+    let [r, i, j, k] = [r, i, j, k].map(|x| if length > 0.0 { x / length } else { x });
     let rotation = [
         [r * r + i * i - j * j - k * k, 2.0 * (i * j + r * k), 2.0 * (i * k - r * j)],
         [2.0 * (i * j - r * k), r * r - i * i + j * j - k * k, 2.0 * (j * k + r * i)],

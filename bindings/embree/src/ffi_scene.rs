@@ -12,7 +12,7 @@ use crate::ffi_callbacks::{Callback, ProgressFunction};
 use crate::ffi_handle::{Handle, lend, not_committed, release, retain, shared, with, with_device};
 use crate::ffi_memory::Pointer;
 use crate::ffi_present::present;
-use crate::objects::{Geometry, Scene, run_query};
+use crate::objects::{Geometry, Scene, path, run_query};
 use crate::transform;
 
 /// A new scene. See Embree's manual, here and below.
@@ -325,13 +325,13 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryUserDataFromTraversable(
 pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformFromScene(
     scene: Handle,
     id: c_uint,
-    _time: f32,
+    time: f32,
     of: c_uint,
     matrix: *mut f32,
 ) {
     let get = |scene: &Arc<Scene>| {
         let geometry = scene.geometry(id).ok_or_else(|| no_geometry(id))?;
-        slot_of(&geometry, 0, of, matrix.is_null()).map(Some)
+        slot_of(&geometry, 0, time, of, matrix.is_null()).map(Some)
     };
     // SAFETY: passed on.
     if let Some(values) = unsafe { with::<Scene, _>(scene, get) } {
@@ -356,10 +356,11 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformFromTraversable(
     unsafe { rtcGetGeometryTransformFromScene(scene, id, time, of, matrix) }
 }
 
-/// Where an instance is, in this format; an error where the format or the number is invalid.
+/// Where an instance is at a time, in this format; an error where the format or the number is invalid.
 pub(crate) fn slot_of(
     geometry: &Geometry,
     prim_id: u32,
+    time: f32,
     of: u32,
     is_null: bool,
 ) -> Result<Vec<f32>, Problem> {
@@ -367,19 +368,17 @@ pub(crate) fn slot_of(
         return Err(Problem::argument("transform: a null pointer"));
     }
     let settings = geometry.settings();
-    let instance_matrix = match settings.arrays.get(&(crate::ffi_abi::buffer::TRANSFORM, 0)) {
-        Some(maps) => {
-            let size = transform::size(maps.format).unwrap_or_default();
-            let values: Vec<f32> = (0..size).map_while(|k| maps.view.number(prim_id as usize, k)).collect();
-            if values.len() != size {
-                return Err(Problem::argument(format!("instance {prim_id} of the array is out of range")));
-            }
-            transform::columns(maps.format, &values)
+    let (matrices, turns) = match settings.maps_of(prim_id as usize) {
+        Some(maps) => maps,
+        None if settings.has_maps() => {
+            return Err(Problem::argument(format!("instance {prim_id} of the array is out of range")));
         }
-        None => settings.instance_matrix,
+        None => (settings.instance_matrices.clone(), settings.turns),
     };
+    let place = path(&matrices, turns, settings.times);
+    let columns = place.map_or(matrices[0], |path| path.at(time));
     let matrix = if of == format::FLOAT16 { format::FLOAT4X4_COLUMNS } else { of };
-    transform::floats(matrix, &instance_matrix).ok_or_else(|| {
+    transform::floats(matrix, &columns).ok_or_else(|| {
         Problem::argument(format!("invalid format {of:#x} of a matrix; valid are FLOAT3X4 and FLOAT4X4"))
     })
 }

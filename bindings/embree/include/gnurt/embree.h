@@ -334,6 +334,7 @@ void rtcReleaseGeometry(RTCGeometry);
 void rtcCommitGeometry(RTCGeometry);
 void rtcEnableGeometry(RTCGeometry);
 void rtcDisableGeometry(RTCGeometry);
+void rtcSetGeometryTessellationRate(RTCGeometry, float rate);
 void rtcSetGeometryTimeStepCount(RTCGeometry, unsigned int count);
 void rtcSetGeometryTimeRange(RTCGeometry, float start, float end);
 void rtcSetGeometryVertexAttributeCount(RTCGeometry, unsigned int count);

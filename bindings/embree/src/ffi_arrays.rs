@@ -157,6 +157,14 @@ fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
     fits.then_some(if format == format::UCHAR { 1 } else { 4 * numbers })
 }
 
+/// Whether slots of a type are time steps.
+pub(crate) fn is_by_step(of: u32) -> bool {
+    matches!(
+        of,
+        buffer::VERTEX | buffer::NORMAL | buffer::TANGENT | buffer::NORMAL_DERIVATIVE | buffer::TRANSFORM
+    )
+}
+
 /// A new array of a geometry.
 struct Given {
     of: c_uint,
@@ -175,9 +183,13 @@ impl Given {
                 geometry.kind
             ))
         })?;
-        let slots = if of == buffer::VERTEX_ATTRIBUTE { geometry.settings().attributes } else { 1 };
+        let slots = match of {
+            buffer::VERTEX_ATTRIBUTE => geometry.settings().attributes,
+            _ if is_by_step(of) => geometry.settings().steps,
+            _ => 1,
+        };
         if slot >= slots {
-            let why = "one time step, and as many attributes as rtcSetGeometryVertexAttributeCount says";
+            let why = "as rtcSetGeometryTimeStepCount and rtcSetGeometryVertexAttributeCount say";
             return Err(Problem::operation(format!(
                 "slot {slot} of buffers of type {of}: there are {slots} ({why})"
             )));

@@ -11,6 +11,7 @@ use gnurt_accel::{CurveBasis, CurveForm};
 
 use crate::device::{Device, Problem};
 use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction, format, kind};
+use crate::ffi_arrays::is_by_step;
 use crate::ffi_handle::{Handle, lend, release, retain, shared, with, with_device};
 use crate::ffi_scene::slot_of;
 use crate::objects::{Geometry, Kind, Scene, Settings};
@@ -64,14 +65,20 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
     unsafe { with_device(device, new) }.map_or(null_mut(), lend)
 }
 
-/// Takes the rate at which Embree divides flat curves; they are not divided here, and look as with a high one.
+/// Sets in how many straight pieces bent ribbons that face rays are cut. Other curves are not cut here.
 ///
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTessellationRate(geometry: Handle, _rate: f32) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTessellationRate(geometry: Handle, rate: f32) {
     let check = |geometry: &Arc<Geometry>| match geometry.kind {
-        Kind::Curves(..) => Ok(()),
+        Kind::Curves(..) => {
+            let mut settings = geometry.edit();
+            // NaN is one.
+            settings.pieces = rate.clamp(1.0, 16.0).max(1.0) as u8;
+            settings.modified();
+            Ok(())
+        }
         kind => {
             Err(Problem::operation(format!("rtcSetGeometryTessellationRate: not for {kind:?}, but curves")))
         }
@@ -217,27 +224,40 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryBuildQuality(geometry: Hand
     unsafe { edit(geometry, change) }
 }
 
-/// Motion blur is not here: one time step is.
+/// Sets how many time steps there are: arrays, boxes or transforms for each, evenly spaced in time.
 ///
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeStepCount(geometry: Handle, count: c_uint) {
-    let change = |_: &mut Settings| match count {
-        1 => Ok(()),
-        _ => Err(Problem::operation(format!("{count} time steps: motion blur is not supported, only 1 is"))),
+    let change = |settings: &mut Settings| {
+        if !(1..=MOST_STEPS).contains(&count) {
+            return Err(Problem::operation(format!("{count} time steps: valid are 1 to {MOST_STEPS}")));
+        }
+        settings.steps = count;
+        settings.instance_matrices.resize(count as usize, transform::IDENTITY);
+        settings.arrays.retain(|&(of, slot), _| slot < count || !is_by_step(of));
+        settings.modified();
+        Ok(())
     };
     // SAFETY: passed on.
     unsafe { edit(geometry, change) }
 }
 
-/// With one time step, the range is of no effect.
+/// Sets the times of the first step and of the last. The geometry is not seen before and after these.
 ///
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeRange(geometry: Handle, _start: f32, _end: f32) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeRange(geometry: Handle, start: f32, end: f32) {
     let change = |settings: &mut Settings| {
+        // Not so of NaN.
+        if !(start <= end) {
+            return Err(Problem::argument(format!(
+                "times from {start} to {end}: the end is before the start"
+            )));
+        }
+        settings.times = [start, end];
         settings.modified();
         Ok(())
     };
@@ -404,17 +424,19 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryInstancedScenes(
     drop(before);
 }
 
+/// The most time steps of a geometry, as by Embree.
+const MOST_STEPS: u32 = 129;
+
 /// Reads and sets where an instance is.
 ///
 /// # Safety
 /// A geometry, and a matrix of the format.
 unsafe fn set_place(geometry: Handle, time_step: c_uint, of: c_uint, matrix: *const f32, call: &str) {
     let change = |settings: &mut Settings| {
-        if time_step != 0 {
-            return Err(Problem::operation(format!(
-                "time step {time_step}: motion blur is not supported, only 0 is"
-            )));
-        }
+        let steps = settings.steps;
+        let Some(place) = settings.instance_matrices.get_mut(time_step as usize) else {
+            return Err(Problem::operation(format!("time step {time_step}: there are {steps}")));
+        };
         if matrix.is_null() {
             return Err(Problem::argument("the transform is a null pointer"));
         }
@@ -423,7 +445,8 @@ unsafe fn set_place(geometry: Handle, time_step: c_uint, of: c_uint, matrix: *co
         })?;
         // SAFETY: the caller vouches for as many numbers as the format has.
         let values: Vec<f32> = (0..size).map(|i| unsafe { matrix.add(i).read_unaligned() }).collect();
-        settings.instance_matrix = transform::columns(of, &values);
+        *place = transform::columns(of, &values);
+        settings.turns = of == format::QUATERNION;
         settings.modified();
         Ok(())
     };
@@ -486,11 +509,11 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransform(
 pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformEx(
     geometry: Handle,
     prim_id: c_uint,
-    _time: f32,
+    time: f32,
     of: c_uint,
     matrix: *mut f32,
 ) {
-    let get = |geometry: &Arc<Geometry>| slot_of(geometry, prim_id, of, matrix.is_null()).map(Some);
+    let get = |geometry: &Arc<Geometry>| slot_of(geometry, prim_id, time, of, matrix.is_null()).map(Some);
     // SAFETY: passed on.
     if let Some(values) = unsafe { with::<Geometry, _>(geometry, get) } {
         // SAFETY: passed on; there are as many values as the format has.

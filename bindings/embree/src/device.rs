@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::ffi::{CStr, CString};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use gnurt_accel::Level;
 
@@ -50,6 +50,10 @@ pub(crate) struct Device {
     threads: usize,
     pub(crate) level: Level,
     pub(crate) is_verbose: bool,
+    /// Whether spheres are hit from outside only.
+    pub(crate) culls_spheres: bool,
+    /// Whether round curves are, of which straight ones always are.
+    pub(crate) culls_curves: bool,
     /// Whether the program uses arrays of instances, and so has memory for the numbers of instances in hits
     /// and contexts.
     pub(crate) has_arrays: AtomicBool,
@@ -101,11 +105,15 @@ impl Device {
             threads: 0,
             level: Level::default(),
             is_verbose: false,
+            culls_spheres: is_blender(),
+            culls_curves: false,
             has_arrays: AtomicBool::new(false),
             on_error: Mutex::default(),
             monitor: Mutex::default(),
             held: AtomicI64::new(0),
         };
+        let more = std::env::var("GNURT_EMBREE").unwrap_or_default();
+        let settings = format!("{settings},{more}");
         // Blanks may surround names and values, and separate settings where there is no comma.
         let tokens = settings.replace('=', " = ");
         let mut tokens =
@@ -123,6 +131,8 @@ impl Device {
                         Problem::argument(format!("threads={count}: a number is expected, 0 for all"))
                     })?;
                 }
+                ("backface_culling_spheres", value) => device.culls_spheres = value != "0",
+                ("backface_culling_curves", value) => device.culls_curves = value != "0",
                 ("verbose", value) => device.is_verbose = value != "0",
                 ("isa" | "max_isa", name) => device.level = level(name),
                 _ => {}
@@ -182,6 +192,19 @@ pub(crate) fn take_error(device: Option<&Device>) -> Code {
 pub(crate) fn with_last_message<R>(device: Option<&Device>, show: impl FnOnce(Option<&CStr>) -> R) -> R {
     let number = device.map_or(NO_DEVICE, |device| device.number);
     ERRORS.with_borrow(|errors| show(errors.get(&number).map(|retained| retained.last.as_c_str())))
+}
+
+/// Whether the program is Blender, or has it as a Python module. Its own Embree is built to show spheres from
+/// outside only, and programs cannot ask a device for that.
+fn is_blender() -> bool {
+    static FOUND: OnceLock<bool> = OnceLock::new();
+    *FOUND.get_or_init(|| {
+        let program = std::env::current_exe().ok();
+        let is_program =
+            program.and_then(|path| Some(path.file_name()?.to_str()?.starts_with("blender"))) == Some(true);
+        let loaded = || std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+        is_program || loaded().lines().any(|line| line.ends_with("/bpy/__init__.so"))
+    })
 }
 
 /// Our level by the name of Embree's.

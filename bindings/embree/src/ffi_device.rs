@@ -53,7 +53,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcReleaseDevice(device: Handle) {
 /// A device.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceProperty(device: Handle, property: c_uint) -> isize {
-    let property_of = |_: &Arc<Device>| {
+    let property_of = |device: &Arc<Device>| {
         Ok(match property {
             0 => 10_000 * VERSION[0] + 100 * VERSION[1] + VERSION[2],
             1 => VERSION[0],
@@ -63,8 +63,11 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceProperty(device: Handle, prop
             32..=34 => 1,
             // Masks, filters, rays that are unsound, triangles, quads, curves, user geometry, points.
             64 | 66 | 67 | 96 | 97 | 99..=101 => 1,
-            // Back faces, of curves and spheres too, compact polygons, subdivision surfaces.
-            62 | 63 | 65 | 68 | 98 => 0,
+            // Without back faces: of curves, of spheres.
+            62 => isize::from(device.culls_curves),
+            63 => isize::from(device.culls_spheres),
+            // Without back faces of triangles; compact polygons; subdivision surfaces.
+            65 | 68 | 98 => 0,
             // Threads of our own; commits may be joined; several scenes at once; processors, not SYCL.
             128 => 0,
             129 | 130 | 140 => 1,

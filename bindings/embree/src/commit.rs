@@ -6,13 +6,13 @@
 
 use std::borrow::Cow;
 use std::cell::RefCell;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::sync::{Arc, Mutex};
 
 use gnurt_accel::{
     BuildControl, BuildError, BuildOptions, CurveBasis, CurveForm, Curves, Discs, GeometryKind, Instance,
-    Memory, Motion, MovingTree, ObjectTree, Quads, Quality, Query, SceneError, SceneTree, Shape, Spheres,
-    Triangles,
+    Memory, Motion, MovingQuads, MovingTree, MovingTriangles, ObjectTree, Quads, Quality, Query, SceneError,
+    SceneTree, Shape, Spheres, Triangles,
 };
 
 use crate::device::Problem;
@@ -22,10 +22,10 @@ use crate::ffi_catch::Thrown;
 use crate::ffi_memory::View;
 use crate::ffi_user::UserPrimitives;
 use crate::objects::{
-    Committed, Geometry, Kind, Moving, Plan, Scene, SceneSettings, Settings, Shown, ShownInstance, Surface,
-    Tree,
+    Committed, Geometry, Kind, Moving, Plan, Scene, SceneSettings, Settings, Shown, ShownInstance,
+    StepArrays, Surface, Tree, path,
 };
-use crate::transform::{self, Columns, IDENTITY};
+use crate::transform::{Columns, IDENTITY};
 
 /// The source of a surface, and its mask.
 struct Prepared<'a> {
@@ -34,13 +34,27 @@ struct Prepared<'a> {
     mask: u32,
 }
 
+/// Lists are by time step.
 enum Arrays<'a> {
-    Triangles(Cow<'a, [[f32; 3]]>, Cow<'a, [[u32; 3]]>),
-    Quads(Cow<'a, [[f32; 3]]>, Cow<'a, [[u32; 4]]>),
-    Spheres(Vec<[f32; 3]>, Vec<f32>),
-    Discs(Vec<[f32; 3]>, Vec<f32>, Option<Cow<'a, [[f32; 3]]>>),
-    Curves(CurveArrays<'a>),
+    Triangles(Vec<Cow<'a, [[f32; 3]]>>, Cow<'a, [[u32; 3]]>),
+    Quads(Vec<Cow<'a, [[f32; 3]]>>, Cow<'a, [[u32; 4]]>),
+    Spheres(Vec<(Vec<[f32; 3]>, Vec<f32>)>),
+    Discs(Vec<DiscArrays<'a>>),
+    Curves(Vec<CurveArrays<'a>>),
     User(Arc<UserPrimitives>),
+}
+
+/// The arrays of discs.
+struct DiscArrays<'a> {
+    centers: Vec<[f32; 3]>,
+    radii: Vec<f32>,
+    normals: Option<Cow<'a, [[f32; 3]]>>,
+}
+
+impl DiscArrays<'_> {
+    fn discs(&self) -> Discs<'_> {
+        Discs { centers: &self.centers, radii: &self.radii, normals: self.normals.as_deref() }
+    }
 }
 
 /// The arrays of curves.
@@ -53,6 +67,8 @@ struct CurveArrays<'a> {
     normals: Cow<'a, [[f32; 3]]>,
     normal_tangents: Cow<'a, [[f32; 3]]>,
     joints: Cow<'a, [[u8; 1]]>,
+    is_seen_from_outside: bool,
+    pieces: u8,
 }
 
 impl CurveArrays<'_> {
@@ -62,7 +78,8 @@ impl CurveArrays<'_> {
             normals: &self.normals,
             normal_tangents: &self.normal_tangents,
             joints: self.joints.as_flattened(),
-            is_seen_from_outside: true,
+            is_seen_from_outside: self.is_seen_from_outside,
+            pieces: self.pieces,
             ..Curves::new(self.basis, self.form, &self.vertices, self.indices.as_flattened())
         }
     }
@@ -74,29 +91,71 @@ fn balls(vertices: &View) -> (Vec<[f32; 3]>, Vec<f32>) {
 }
 
 impl Prepared<'_> {
-    fn geometry(&self) -> gnurt_accel::Geometry<'_> {
-        let kind = match &self.arrays {
-            Arrays::Triangles(positions, indices) => {
-                GeometryKind::Triangles(Triangles { positions, indices })
+    /// Vertices of triangles and quads by time step.
+    fn keys(&self) -> Vec<&[[f32; 3]]> {
+        match &self.arrays {
+            Arrays::Triangles(keys, _) | Arrays::Quads(keys, _) => keys.iter().map(|key| &**key).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The geometry, with these [`keys`](Self::keys).
+    fn geometry<'b>(&'b self, keys: &'b [&'b [[f32; 3]]]) -> gnurt_accel::Geometry<'b> {
+        let geometry: gnurt_accel::Geometry<'b> = match &self.arrays {
+            Arrays::Triangles(_, indices) => match *keys {
+                [positions] => Triangles { positions, indices }.into(),
+                _ => MovingTriangles { keys, indices }.into(),
+            },
+            Arrays::Quads(_, indices) => match *keys {
+                [positions] => Quads { positions, indices }.into(),
+                _ => MovingQuads { keys, indices }.into(),
+            },
+            Arrays::Spheres(keys) => {
+                let spheres =
+                    |(centers, radii): &'b (Vec<_>, Vec<_>)| -> Spheres<'b> { Spheres { centers, radii } };
+                let culls = self.surface.geometry.device.culls_spheres;
+                match &keys[..] {
+                    [only] if culls => {
+                        gnurt_accel::Geometry::new(GeometryKind::SphereOutsides(spheres(only)))
+                    }
+                    [only] => spheres(only).into(),
+                    _ => {
+                        let keys: Vec<Spheres> = keys.iter().map(spheres).collect();
+                        match culls {
+                            true => gnurt_accel::Geometry::moving_sphere_outsides(&keys),
+                            false => gnurt_accel::Geometry::moving_spheres(&keys),
+                        }
+                    }
+                }
             }
-            Arrays::Quads(positions, indices) => GeometryKind::Quads(Quads { positions, indices }),
-            Arrays::Spheres(centers, radii) => GeometryKind::Spheres(Spheres { centers, radii }),
-            Arrays::Discs(centers, radii, normals) => {
-                GeometryKind::Discs(Discs { centers, radii, normals: normals.as_deref() })
+            Arrays::Discs(keys) => match &keys[..] {
+                [only] => only.discs().into(),
+                _ => {
+                    let keys: Vec<Discs> = keys.iter().map(DiscArrays::discs).collect();
+                    gnurt_accel::Geometry::moving_discs(&keys)
+                }
+            },
+            Arrays::Curves(keys) => match &keys[..] {
+                [only] => only.curves().into(),
+                _ => {
+                    let keys: Vec<Curves> = keys.iter().map(CurveArrays::curves).collect();
+                    gnurt_accel::Geometry::moving_curves(&keys)
+                }
+            },
+            Arrays::User(user) => {
+                gnurt_accel::Geometry::new(GeometryKind::User(Arc::<UserPrimitives>::clone(user)))
             }
-            Arrays::Curves(arrays) => GeometryKind::Curves(arrays.curves()),
-            Arrays::User(user) => GeometryKind::User(Arc::<UserPrimitives>::clone(user)),
         };
-        gnurt_accel::Geometry::new(kind).with_mask(self.mask)
+        geometry.with_mask(self.mask).within(self.surface.times)
     }
 
     fn count(&self) -> usize {
         match &self.arrays {
             Arrays::Triangles(_, indices) => indices.len(),
             Arrays::Quads(_, indices) => indices.len(),
-            Arrays::Spheres(_, radii) => radii.len(),
-            Arrays::Discs(_, radii, _) => radii.len(),
-            Arrays::Curves(arrays) => arrays.indices.len(),
+            Arrays::Spheres(keys) => keys[0].1.len(),
+            Arrays::Discs(keys) => keys[0].radii.len(),
+            Arrays::Curves(keys) => keys[0].indices.len(),
             Arrays::User(user) => gnurt_accel::UserGeometry::count(&**user) as usize,
         }
     }
@@ -155,8 +214,13 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
 
 fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Committed, Problem> {
     let (mut surfaces, mut masks, mut users) = (Vec::new(), Vec::new(), Vec::new());
-    let mut shown_instances =
-        vec![ShownInstance { geom_id: 0, prim_id: None, shown: None, world_from_instance: IDENTITY }];
+    let mut shown_instances = vec![ShownInstance {
+        geom_id: 0,
+        prim_id: None,
+        shown: None,
+        world_from_instance: IDENTITY,
+        motion: None,
+    }];
     let mut instances: Vec<Instance> = Vec::new();
     // Geometries of the quality REFIT, and whether others were edited since the last commit.
     let (mut refits, mut others_differ) = (0, false);
@@ -178,8 +242,8 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
         refits += u32::from(follows);
         others_differ |= !follows && settings.changed_at > plan.last;
         users.push((geometry.kind == Kind::User).then(|| {
-            let Settings { user, filters, user_count, .. } = *settings;
-            (user, filters, user_count)
+            let Settings { user, filters, user_count, steps, .. } = *settings;
+            (user, filters, user_count, steps)
         }));
         surfaces.push(surface(geom_id, geometry, &settings)?);
         masks.push(settings.mask);
@@ -189,31 +253,44 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
     let mut prepared = Vec::new();
     for ((surface, &mask), user) in surfaces.iter().zip(&masks).zip(users) {
         let arrays = match (surface.kind, user) {
-            (_, Some((functions, filters, count))) => {
+            (_, Some((functions, filters, count, steps))) => {
                 let geometry = Arc::clone(&surface.geometry);
-                let user = UserPrimitives::new(geometry, surface.geom_id, functions, filters, count)?;
+                let user = UserPrimitives::new(geometry, surface.geom_id, functions, filters, count, steps)?;
                 Arrays::User(Arc::new(user))
             }
-            (Kind::Quads, None) => Arrays::Quads(surface.vertices.rows(), surface.indices.rows()),
+            (Kind::Quads, None) => {
+                let keys = surface.steps().map(|step| step.vertices.rows()).collect();
+                Arrays::Quads(keys, surface.indices.rows())
+            }
             (Kind::Spheres, None) => {
-                let (centers, radii) = balls(&surface.vertices);
-                Arrays::Spheres(centers, radii)
+                Arrays::Spheres(surface.steps().map(|step| balls(&step.vertices)).collect())
             }
             (Kind::Discs(has_normals), None) => {
-                let (centers, radii) = balls(&surface.vertices);
-                Arrays::Discs(centers, radii, has_normals.then(|| surface.normals.rows()))
+                let discs = surface.steps().map(|step| {
+                    let (centers, radii) = balls(&step.vertices);
+                    DiscArrays { centers, radii, normals: has_normals.then(|| step.normals.rows()) }
+                });
+                Arrays::Discs(discs.collect())
             }
-            (Kind::Curves(basis, form), None) => Arrays::Curves(CurveArrays {
-                basis,
-                form,
-                vertices: surface.vertices.rows(),
-                indices: surface.indices.rows(),
-                tangents: surface.tangents.rows(),
-                normals: surface.normals.rows(),
-                normal_tangents: surface.normal_tangents.rows(),
-                joints: surface.joints.rows(),
-            }),
-            _ => Arrays::Triangles(surface.vertices.rows(), surface.indices.rows()),
+            (Kind::Curves(basis, form), None) => {
+                let curves = surface.steps().map(|step| CurveArrays {
+                    basis,
+                    form,
+                    vertices: step.vertices.rows(),
+                    indices: surface.indices.rows(),
+                    tangents: step.tangents.rows(),
+                    normals: step.normals.rows(),
+                    normal_tangents: step.normal_tangents.rows(),
+                    joints: surface.joints.rows(),
+                    is_seen_from_outside: basis == CurveBasis::Linear || scene.device.culls_curves,
+                    pieces: surface.pieces,
+                });
+                Arrays::Curves(curves.collect())
+            }
+            _ => {
+                let keys = surface.steps().map(|step| step.vertices.rows()).collect();
+                Arrays::Triangles(keys, surface.indices.rows())
+            }
         };
         prepared.push(Prepared { surface, arrays, mask });
     }
@@ -271,6 +348,7 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
         query,
         is_plain,
         bytes,
+        stopped: Mutex::default(),
     };
     match allowed {
         Ok(true) => Ok(committed),
@@ -288,34 +366,54 @@ fn held(stats: gnurt_accel::TreeStats) -> i64 {
 
 /// Arrays of a geometry, as they are now.
 fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Result<Surface, Problem> {
-    let array = |of: u32, name: &str| -> Result<View, Problem> {
-        let array = settings.arrays.get(&(of, 0));
+    let array = |of: u32, slot: u32, name: &str| -> Result<View, Problem> {
+        let array = settings.arrays.get(&(of, slot));
         array.map(|array| array.view.clone()).ok_or_else(|| {
-            Problem::operation(format!("geometry {geom_id} has no {name} buffer: set one, then commit it"))
+            let at = if settings.steps > 1 { format!(" for time step {slot}") } else { String::new() };
+            Problem::operation(format!(
+                "geometry {geom_id} has no {name} buffer{at}: set one, then commit it"
+            ))
         })
     };
-    let kind = geometry.kind;
-    let (vertices, indices) = match kind {
-        // No setting means no primitives, which is no error with Embree either.
-        _ if settings.arrays.is_empty() => (View::empty(), View::empty()),
-        Kind::Triangles | Kind::Quads | Kind::Curves(..) => {
-            (array(buffer::VERTEX, "vertex")?, array(buffer::INDEX, "index")?)
-        }
-        Kind::Spheres | Kind::Discs(_) => (array(buffer::VERTEX, "vertex")?, View::empty()),
-        Kind::User | Kind::Instance | Kind::Instances => (View::empty(), View::empty()),
+    let other = |of: u32, slot: u32| {
+        settings.arrays.get(&(of, slot)).map_or_else(View::empty, |array| array.view.clone())
     };
-    let Settings { filters, point, .. } = *settings;
-    let other = |of: u32| settings.arrays.get(&(of, 0)).map_or_else(View::empty, |array| array.view.clone());
+    let kind = geometry.kind;
+    // No setting means no primitives, which is no error with Embree either.
+    let is_empty =
+        settings.arrays.is_empty() || matches!(kind, Kind::User | Kind::Instance | Kind::Instances);
+    let step = |slot: u32| -> Result<StepArrays, Problem> {
+        Ok(StepArrays {
+            vertices: if is_empty { View::empty() } else { array(buffer::VERTEX, slot, "vertex")? },
+            normals: other(buffer::NORMAL, slot),
+            tangents: other(buffer::TANGENT, slot),
+            normal_tangents: other(buffer::NORMAL_DERIVATIVE, slot),
+        })
+    };
+    let first = step(0)?;
+    let indices = match kind {
+        Kind::Triangles | Kind::Quads | Kind::Curves(..) if !is_empty => array(buffer::INDEX, 0, "index")?,
+        _ => View::empty(),
+    };
+    let later = (1..settings.steps).map(step).collect::<Result<Vec<_>, _>>()?;
+    if let Some(wrong) = later.iter().position(|step| step.vertices.len() != first.vertices.len()) {
+        let (step, count) = (wrong + 1, later[wrong].vertices.len());
+        return Err(Problem::operation(format!(
+            "geometry {geom_id}: time step {step} has {count} vertices, the first one {}",
+            first.vertices.len()
+        )));
+    }
+    let Settings { filters, point, times, .. } = *settings;
     Ok(Surface {
         geom_id,
         geometry: Arc::clone(geometry),
         kind,
-        vertices,
         indices,
-        normals: other(buffer::NORMAL),
-        tangents: other(buffer::TANGENT),
-        normal_tangents: other(buffer::NORMAL_DERIVATIVE),
-        joints: other(buffer::FLAGS),
+        first,
+        later,
+        times,
+        pieces: settings.pieces,
+        joints: other(buffer::FLAGS, 0),
         filters,
         point,
     })
@@ -330,7 +428,11 @@ fn add_instances(
     shown_instances: &mut Vec<ShownInstance>,
     instances: &mut Vec<Instance>,
 ) -> Result<(), Problem> {
-    let mut add = |prim_id: Option<u32>, shown: usize, shown_instance: Columns| -> Result<(), Problem> {
+    let mut add = |prim_id: Option<u32>,
+                   shown: usize,
+                   keys: &[Columns],
+                   turns: bool|
+     -> Result<(), Problem> {
         let Some(child) = settings.scenes.get(shown) else {
             return Err(Problem::operation(format!(
                 "geometry {geom_id} shows scene {shown}, which was not set"
@@ -348,27 +450,29 @@ fn add_instances(
             Tree::Object(tree) => Arc::clone(tree).into(),
             Tree::Scene(tree) => Arc::clone(tree).into(),
         };
-        instances.push(Instance::new(shape, shown_instance).with_mask(settings.mask));
+        let motion = path(keys, turns, settings.times);
+        let instance = match &motion {
+            Some(motion) => Instance::moving(shape, Arc::clone(motion)),
+            None => Instance::new(shape, keys[0]),
+        };
+        instances.push(instance.with_mask(settings.mask));
         let shown = Some(Shown { committed, scene: Arc::clone(child) });
-        shown_instances.push(ShownInstance { geom_id, prim_id, shown, world_from_instance: shown_instance });
+        shown_instances.push(ShownInstance { geom_id, prim_id, shown, world_from_instance: keys[0], motion });
         Ok(())
     };
     if geometry.kind == Kind::Instance {
-        return add(None, 0, settings.instance_matrix);
+        return add(None, 0, &settings.instance_matrices, settings.turns);
     }
     let Some(maps) = settings.arrays.get(&(buffer::TRANSFORM, 0)) else {
         return Err(Problem::operation(format!("geometry {geom_id} has no transform buffer")));
     };
     let indices = settings.arrays.get(&(buffer::INDEX, 0));
-    let size = transform::size(maps.format).unwrap_or_default();
     for i in 0..maps.view.len() {
-        let values: Vec<f32> = (0..size).map_while(|k| maps.view.number(i, k)).collect();
-        let shown_instance =
-            if values.len() == size { transform::columns(maps.format, &values) } else { IDENTITY };
+        let (keys, turns) = settings.maps_of(i).unwrap_or_else(|| (vec![IDENTITY], false));
         let shown = indices.map_or(Some(0), |indices| indices.view.number::<u32>(i, 0));
         // Those without an index, or with that of nothing, are not there.
         if let Some(shown) = shown.filter(|&shown| shown != u32::MAX) {
-            add(Some(i as u32), shown as usize, shown_instance)?;
+            add(Some(i as u32), shown as usize, &keys, turns)?;
         }
     }
     Ok(())
@@ -402,7 +506,9 @@ fn build_object(
     prepared: &[Prepared],
     follow: Follow,
 ) -> Result<Arc<ObjectTree>, Problem> {
-    let geometries: Vec<gnurt_accel::Geometry> = prepared.iter().map(Prepared::geometry).collect();
+    let keys: Vec<Vec<&[[f32; 3]]>> = prepared.iter().map(Prepared::keys).collect();
+    let geometries: Vec<gnurt_accel::Geometry> =
+        prepared.iter().zip(&keys).map(|(one, keys)| one.geometry(keys)).collect();
     let primitives: usize = prepared.iter().map(Prepared::count).sum();
     let shape =
         prepared.iter().map(|one| (one.surface.geom_id, one.surface.kind, one.count() as u32)).collect();
