@@ -73,7 +73,7 @@ impl Textures {
         // Levels between are made when a ray first needs one: on the frame's threads.
         let minify = texture.mips.clone().map(|mips| (minify, mips));
         let (wrap, uv_from_mesh) = (texture.wrap, FIRST_ROW_AT_0);
-        Some(Arc::new(TextureSampler { texels, wrap, linear, minify, uv_from_mesh }))
+        Some(Arc::new(TextureSampler { texels, wrap, linear, minify, uv_from_mesh, attribute: None }))
     }
 
     /// Rises whenever a texture changes.
