@@ -93,11 +93,13 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
                 factor: share(given, "iridescence", 0.0)?,
                 ior: given.number("iridescence_ior", 1.0, 100.0)?.unwrap_or(1.3) as f32,
                 thickness: given.number("iridescence_thickness", 0.0, 1e6)?.unwrap_or(400.0) as f32,
+                ..Iridescence::default()
             },
             diffuse_transmission: DiffuseTransmission {
                 factor: share(given, "diffuse_transmission", 0.0)?,
                 color: given.color("diffuse_transmission_color")?.unwrap_or([1.0; 3]),
             },
+            ..Principled::default()
         })),
         _ => {
             return Err(PyValueError::new_err(format!(

@@ -67,7 +67,7 @@ pub(crate) fn reference(given: &mut Given, name: &'static str) -> PyResult<Optio
     }
     match value.extract::<(usize, [f32; 6])>() {
         Ok((number, uv_from_mesh)) if uv_from_mesh.iter().all(|x| x.is_finite()) => {
-            Ok(Some(TextureRef { texture: id(number)?, uv_from_mesh }))
+            Ok(Some(TextureRef { uv_from_mesh, ..TextureRef::new(id(number)?) }))
         }
         _ => Err(PyTypeError::new_err(format!(
             "{name}: expected the number of a texture, or (number, (a, b, c, d, e, f)) with finite numbers"
