@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Chromaticities of primaries and white, and the matrices between the spaces that they span.
-//! Source: SMPTE RP 177 (a matrix from primaries and white); whites are adapted by Bradford's transform [Lam85].
+//! Source: SMPTE RP 177 (a matrix from primaries and white); whites are adapted by Bradford's transform \[Lam85\].
 //! Space: linear light. The working space of all pictures is that of [`REC709`]. Tests: `tests`.
 
 /// Chromaticities x, y of red, green, blue and white.
