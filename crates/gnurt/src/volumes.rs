@@ -13,7 +13,7 @@ use crate::image::{Grid, Volume};
 use crate::scene::medium::{DensityGrid, Extent, Medium, Phase};
 use crate::scene::{Affine, MediumId, Scene};
 
-/// Most cells of a box around what is active in a grid: 2 GiB of numbers.
+/// Most cells of a box around the active ones of a grid: 2 GiB of numbers.
 const MOST_CELLS: u64 = 1 << 29;
 /// Most bytes of a file.
 const MOST_BYTES: usize = 4 << 30;
@@ -209,7 +209,7 @@ impl VolumeFile {
     }
 }
 
-/// The cells of a box around what is active, with a rim of one cell.
+/// The cells of a box around the active ones, with a rim of one cell.
 fn dense(grid: &Grid, glow: Option<&Grid>) -> Result<DensityGrid, String> {
     let [first, last] = grid.active().ok_or("its grid has no active cell")?;
     let low = first.map(|i| i64::from(i) - 1);

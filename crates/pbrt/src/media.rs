@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Named media, and which of them shapes and the camera are in: `MediumInterface`.
-//! Differs from pbrt: a shape only says what is within. Around it is what is around the shape, as closed
+//! Differs from pbrt: a shape only names its inside. Outside of it is the medium of the body around, as closed
 //! shapes nest; the camera's medium fills all space unless a shape holds it. So an exterior that contradicts
 //! the nesting has no effect.
 //! Tests: tests/media.rs.

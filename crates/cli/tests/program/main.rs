@@ -42,5 +42,6 @@ mod textures;
 #[cfg(feature = "usd")]
 mod usd;
 mod viewing;
+mod volumes;
 #[cfg(target_os = "linux")]
 mod window;

@@ -258,7 +258,7 @@ impl Parts<'_> {
                 2
             };
             let step = if most[k] > 0.0 { distance(u) / most[k] } else { f32::INFINITY };
-            if !(t + step < end) {
+            if t + step >= end {
                 let passed = left(most, end - t);
                 weight = weight * passed / shares.dot(passed);
                 t = end;
@@ -280,10 +280,11 @@ impl Parts<'_> {
             emitted += weight * radiance;
             let null = if is_even { Vec3::ZERO } else { (most - extinction).max(Vec3::ZERO) };
             let (real, null_weight) = (weight.dot(scattering), weight.dot(null));
-            if !(real + null_weight > 0.0) {
+            let both = real + null_weight;
+            if both <= 0.0 || both.is_nan() {
                 return ended(Vec3::ZERO, emitted);
             }
-            let probability = real / (real + null_weight);
+            let probability = real / both;
             let u = if probability >= 1.0 { 0.0 } else { random.next() };
             if u >= probability {
                 weight = weight * null / (1.0 - probability);

@@ -17,6 +17,7 @@ use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, Rays, SampleKey, SurfaceBatch, Vec3s};
 
 use super::flight::{Parts, Random};
+use super::medium_vertices::MediumVertices;
 use super::mis::power_heuristic;
 use super::paths::{Of, Paths, Scattered};
 use super::step::Onward;
@@ -42,36 +43,6 @@ impl Media {
             }
             _ => 0,
         }
-    }
-}
-
-/// Vertices in media.
-#[derive(Default)]
-pub(crate) struct MediumVertices {
-    /// Numbers of the paths, and their keys.
-    numbers: Vec<u32>,
-    keys: Vec<SampleKey>,
-    p: Vec3s,
-    /// Where light paths from the eye were heading.
-    along: Vec3s,
-    /// Numbers of the phase functions: two mean cosines, share of the second.
-    phase: [Vec<f32>; 3],
-}
-
-impl MediumVertices {
-    /// Marks the lanes that they are of, among `count`.
-    pub(crate) fn mark(&self, count: usize, lanes: &mut Vec<bool>) {
-        lanes.clear();
-        lanes.resize(count, false);
-        self.numbers.iter().for_each(|&lane| lanes[lane as usize] = true);
-    }
-
-    fn clear(&mut self) {
-        self.numbers.clear();
-        self.keys.clear();
-        self.p.resize(0);
-        self.along.resize(0);
-        self.phase.iter_mut().for_each(Vec::clear);
     }
 }
 

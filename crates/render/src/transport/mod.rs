@@ -7,6 +7,7 @@ pub(crate) mod absorption;
 mod flight;
 mod light_samples;
 pub(crate) mod media;
+mod medium_vertices;
 pub(crate) mod mis;
 pub(crate) mod opacity;
 pub(crate) mod panes;
@@ -14,6 +15,7 @@ mod paths;
 mod radiance_only;
 pub(crate) mod roulette;
 pub(crate) mod step;
+mod through;
 mod vertex;
 pub(crate) mod walks;
 mod way;
@@ -25,8 +27,8 @@ use gnurt_shading::Vec3s;
 pub(crate) use light_samples::{LightQuery, Offer, query_plugin_lights, sampling_normal, shadow_ray};
 pub(crate) use mis::power_heuristic;
 pub(crate) use paths::{Path, Wavefront};
+pub(crate) use through::Through;
 pub(crate) use vertex::{Known, Vertex};
-pub(crate) use way::Through;
 
 /// Adds light that came over `edges` edges, or that did not come (negative); no more than `clamp` in any channel if it was
 /// scattered more than once. It is each contribution that is limited, as production renderers limit indirect light, not their

@@ -12,8 +12,8 @@ use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
-use super::media::MediumVertices;
-use super::way::Through;
+use super::medium_vertices::MediumVertices;
+use super::through::Through;
 use crate::cone::{Cone, Cones};
 use crate::world::{Inside, Media};
 

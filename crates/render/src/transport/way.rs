@@ -9,35 +9,14 @@
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_scene::RayMask;
-use gnurt_shading::{RayRequest, SampleKey, Vec3s};
+use gnurt_shading::{RayRequest, Vec3s};
 
-use super::flight::{Parts, Random};
+use super::flight::Parts;
 use super::opacity;
+use super::through::Through;
 use crate::cone::Cones;
 use crate::tracer::{AttributeRequests, BatchTracer};
-use crate::world::{HitLanes, Inside, Media};
-
-/// Media along shadow rays: where each ray begins, and the edges of its path.
-#[derive(Clone, Copy)]
-pub(crate) struct Through<'a> {
-    pub(crate) media: &'a Media,
-    pub(crate) inside: &'a [Inside],
-    pub(crate) edges: &'a [u32],
-}
-
-impl<'a> Through<'a> {
-    /// Transmittance over `length` along ray `i`; `layer` distinguishes stretches of one way.
-    fn left(
-        &self,
-        parts: &mut Parts<'a>,
-        (inside, edges): (Inside, u32),
-        (org, dir, length): (Vec3, Vec3, f32),
-        (seed, key, layer): (u64, SampleKey, u32),
-    ) -> Vec3 {
-        self.media.parts(inside, org, dir, parts);
-        parts.transmittance(length, &mut Random::of_shadow(seed, key, [edges, layer]))
-    }
-}
+use crate::world::{HitLanes, Inside};
 
 impl BatchTracer<'_> {
     /// Multiplies the transmittances of the media along rays that no surface blocks.
