@@ -9,6 +9,10 @@ use super::ray::{CurveHit, RayFrame};
 
 type Point = [f64; 3];
 
+/// So many radii a ray goes before it meets a ribbon, as by Embree: one that starts on a ribbon, which turns to face it, would meet
+/// that again.
+const SKIPPED: f64 = 2.0;
+
 /// Offers the hits of the pieces of a part, whose ends are ends of pieces.
 pub(super) fn meet(
     cubic: &Cubic,
@@ -28,7 +32,9 @@ pub(super) fn meet(
             let sides = [across(&seen, start, &a, &b), across(&seen, end, &a, &b)];
             let [right, left] =
                 [1.0, -1.0].map(|sign| [beside(&a, sides[0], sign), beside(&b, sides[1], sign)]);
-            if let Some((z, u, v)) = through([right[0], right[1], left[1], left[0]]) {
+            let found = through([right[0], right[1], left[1], left[0]]);
+            let is_ahead = |&(z, u, _): &(f64, f64, f64)| z > SKIPPED * (a[3] + u * (b[3] - a[3]));
+            if let Some((z, u, v)) = found.filter(is_ahead) {
                 hit(CurveHit { t: z / ray.length, u: (f64::from(i) + u) / count, v: 2.0 * v - 1.0 });
             }
         }

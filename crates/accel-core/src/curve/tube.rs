@@ -86,9 +86,14 @@ fn starts([a, b]: [[f64; 4]; 2], off: f64, dir: [f64; 3]) -> Option<[(f64, f64);
         // The distance from the axis there, beyond the widest circle.
         let t = param(middle).clamp(0.0, 1.0);
         let p = along(minus(along([0.0; 3], middle, dir), from), -t, chord);
-        return (dot(p, p) <= widest * widest).then_some([(middle, param(middle)); 2]);
+        let left = widest * widest - dot(p, p);
+        // From both sides, so that either hit is found.
+        let half = (left.max(0.0) / aa.abs()).sqrt();
+        let ends = [middle - half, middle + half];
+        return (left >= 0.0).then_some(ends.map(|s| (s, param(s))));
     }
-    let half = root.sqrt() / aa.abs();
+    // Where the cone is only just met, the tube may be met farther apart.
+    let half = (root.sqrt() / aa.abs()).max((2.0 * widest * off / aa.abs()).sqrt());
     let (near, far) = (middle - half, middle + half);
     Some([(near, param(near)), (far, param(far))])
 }
