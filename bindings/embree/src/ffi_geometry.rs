@@ -251,8 +251,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeStepCount(geometry: Han
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeRange(geometry: Handle, start: f32, end: f32) {
     let change = |settings: &mut Settings| {
-        // Not so of NaN.
-        if !(start <= end) {
+        if start.is_nan() || end.is_nan() || start > end {
             return Err(Problem::argument(format!(
                 "times from {start} to {end}: the end is before the start"
             )));

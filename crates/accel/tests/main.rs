@@ -31,6 +31,7 @@ mod nested;
 mod packets;
 mod parameters;
 mod pencils;
+mod pieces;
 mod poses;
 mod refit;
 mod saved;
