@@ -87,6 +87,7 @@ fn run_command(command: Command, environment: &Environment, messages: Messages) 
     match command {
         Command::Render(arguments) => commands::render::run(&arguments, environment, messages),
         Command::Join(arguments) => commands::join::run(&arguments, environment, messages),
+        Command::Denoise(arguments) => commands::denoise::run(&arguments, environment, messages),
         Command::View(arguments) => commands::view::run(&arguments, environment, messages),
         Command::Info(arguments) => commands::info::run(&arguments, environment, messages),
         Command::Diff(arguments) => commands::diff::run(&arguments, messages),

@@ -25,6 +25,7 @@ mod light;
 mod method;
 mod noisy;
 mod oidn;
+mod other_renderers;
 mod outliers;
 mod patches;
 mod regression;
@@ -32,6 +33,7 @@ mod variance;
 
 pub use error::Error;
 pub use method::{Method, Used};
+pub use other_renderers::{adopt, has_motion};
 
 use std::path::PathBuf;
 

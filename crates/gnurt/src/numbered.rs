@@ -45,13 +45,21 @@ impl Numbered {
     /// # Errors
     /// The system's error for the folder.
     pub fn first(&self) -> std::io::Result<Option<u32>> {
+        Ok(self.numbers()?.first().copied())
+    }
+
+    /// The numbers whose files are there, in order.
+    ///
+    /// # Errors
+    /// The system's error for the folder.
+    pub fn numbers(&self) -> std::io::Result<Vec<u32>> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let mut first = None;
+        let mut numbers = Vec::new();
         for entry in std::fs::read_dir(folder.unwrap_or(Path::new(".")))? {
-            let number = self.number_of(&entry?.file_name());
-            first = [first, number].into_iter().flatten().min();
+            numbers.extend(self.number_of(&entry?.file_name()));
         }
-        Ok(first)
+        numbers.sort_unstable();
+        Ok(numbers)
     }
 
     /// The number of a name, if it is one of these.
@@ -86,6 +94,7 @@ mod tests {
             std::fs::write(folder.path().join(name), b"").expect("a file");
         }
         assert_eq!(named.first().expect("a folder"), Some(7), "the least whose name is written so");
+        assert_eq!(named.numbers().expect("a folder"), [7, 12], "all, in order");
         assert!(Numbered::of(Path::new("no/such/folder/#")).expect("a place").first().is_err(), "no folder");
     }
 }

@@ -4,6 +4,7 @@
 //! `tests/program/arguments.rs`.
 
 mod bench;
+mod denoise;
 mod denoiser;
 mod files;
 mod help;
@@ -26,6 +27,7 @@ pub(crate) use bench::{
     BenchArguments, BenchBuildArguments, BenchCommand, BenchDynamicArguments, BenchLightArguments,
     BenchPaperArguments, BenchRaysArguments,
 };
+pub(crate) use denoise::DenoiseArguments;
 pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use files::FileArguments;
 pub(crate) use help::HelpArguments;
@@ -86,6 +88,9 @@ pub(crate) enum Command {
     /// Join the pieces of a picture from `render --piece`
     #[command(args_override_self = true)]
     Join(Box<JoinArguments>),
+    /// Take the noise out of an EXR picture, or of a film's frames together
+    #[command(args_override_self = true)]
+    Denoise(Box<DenoiseArguments>),
     /// Fly through a scene in a window
     #[command(
         args_override_self = true,
@@ -133,6 +138,7 @@ impl Command {
         match self {
             Self::Render(arguments) => &arguments.verbosity_arguments,
             Self::Join(arguments) => &arguments.verbosity_arguments,
+            Self::Denoise(arguments) => &arguments.verbosity_arguments,
             Self::View(arguments) => &arguments.verbosity_arguments,
             Self::Info(arguments) => &arguments.verbosity_arguments,
             Self::Diff(arguments) => &arguments.verbosity_arguments,
@@ -149,6 +155,7 @@ impl Command {
         match self {
             Self::Render(arguments) => Some(&arguments.machine),
             Self::Join(arguments) => Some(&arguments.machine),
+            Self::Denoise(arguments) => Some(&arguments.machine),
             Self::View(arguments) => Some(&arguments.machine),
             Self::Info(arguments) => Some(&arguments.machine),
             Self::Trace(arguments) => Some(&arguments.machine),

@@ -120,9 +120,12 @@ fn write(
 
 /// Memory of a window.
 fn bytes(options: &RenderOptions, reach: usize) -> u64 {
+    window_bytes([options.width, options.height], reach).saturating_add(picture_bytes(options, true))
+}
+
+/// Memory of the frames of a window and the work on one.
+pub(super) fn window_bytes([width, height]: [u32; 2], reach: usize) -> u64 {
     let [borrowed, waits, work] = PER_PIXEL;
-    let reach = reach as u64;
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    let frames = (2 * reach + 1) * (borrowed + waits) + work;
-    pixels.saturating_mul(frames).saturating_add(picture_bytes(options, true))
+    let frames = (2 * reach as u64 + 1) * (borrowed + waits) + work;
+    (u64::from(width) * u64::from(height)).saturating_mul(frames)
 }

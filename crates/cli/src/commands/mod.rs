@@ -6,6 +6,7 @@ mod bench_files;
 mod bench_light;
 mod contents;
 pub(crate) mod convert;
+pub(crate) mod denoise;
 pub(crate) mod diff;
 mod film;
 mod frame;

@@ -13,6 +13,7 @@ mod cameras;
 mod checkpoint;
 mod confine;
 mod conversion;
+mod denoise;
 mod denoising;
 mod determinism;
 mod differences;

@@ -49,6 +49,12 @@ impl<T> Film<T> {
         Self { options, reach, count, frames: VecDeque::new(), first: 0, waiting: VecDeque::new() }
     }
 
+    /// Whether each frame is filtered by itself.
+    #[must_use]
+    pub fn is_single(&self) -> bool {
+        self.reach == 0
+    }
+
     /// First and last index of the frames that frame `i` borrows from. At both ends of the film it has as many
     /// frames as elsewhere.
     fn window(&self, i: usize) -> [usize; 2] {
