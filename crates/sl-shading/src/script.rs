@@ -5,6 +5,7 @@
 //! file names relative to it.
 //! Tests: `tests/scripts.rs`.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -39,6 +40,15 @@ use crate::surface::ScriptSurface;
 use crate::surface_state::{CAMERA, DIFFUSE, Needs};
 use crate::textures::Textures;
 use crate::world::Common;
+
+/// The layer that takes a closure output as `Ci`.
+const CLOSURE_OUTPUT: &str = "surface closure_output (closure color value = 0) { Ci = value; }";
+
+/// The first output of a shader that is a closure.
+fn closure_output(shader: &Shader) -> Option<&str> {
+    let mut outputs = shader.params().filter(|(_, symbol)| symbol.kind == SymbolKind::OutputParam);
+    outputs.find(|(_, symbol)| symbol.ty == Type::CLOSURE).map(|(_, symbol)| &*symbol.name)
+}
 
 /// Iterations of loops that a point may take.
 const ITERATIONS: u64 = 1 << 20;
@@ -136,12 +146,9 @@ impl Script {
         };
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         if kind == Kind::Surface && last.shader.find("Ci").is_none() {
-            let closures = last.shader.params().filter(|(_, symbol)| symbol.kind == SymbolKind::OutputParam);
-            let mut closures = closures.filter(|(_, symbol)| symbol.ty == Type::CLOSURE);
-            let hint = closures.next().map_or_else(String::new, |(_, symbol)| {
-                format!("; in a group, connect its output {} to a layer that does", symbol.name)
-            });
-            reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black{hint}"));
+            if closure_output(&last.shader).is_none() {
+                reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black"));
+            }
         }
         Ok(Self {
             name,
@@ -324,14 +331,33 @@ impl Script {
     /// It is none, or too large.
     pub fn surface(&self) -> Result<Arc<dyn SurfaceShader>, String> {
         self.is(Kind::Surface)?;
-        let plan = self.plan(&self.group, &[])?;
+        let group = self.with_closure_output()?;
+        let plan = self.plan(&group, &[])?;
         let fixed = Fixed::of(&plan, &colors()?);
         let common = match &fixed {
             // It runs only for callers that request its variables.
-            Some(_) => self.common_of(&self.group, &plan, plan.clone())?,
-            None => self.compiled(&self.group, &plan)?,
+            Some(_) => self.common_of(&group, &plan, plan.clone())?,
+            None => self.compiled(&group, &plan)?,
         };
         Ok(Arc::new(ScriptSurface { common, fixed }))
+    }
+
+    /// Its group; if the last shader does not write `Ci`, with a layer that sets `Ci` to its first closure output.
+    fn with_closure_output(&self) -> Result<Cow<'_, Group>, String> {
+        let borrowed = Cow::Borrowed(&self.group);
+        let Some(last) = self.group.layers.last() else { return Ok(borrowed) };
+        if last.shader.find("Ci").is_some() {
+            return Ok(borrowed);
+        }
+        let Some(output) = closure_output(&last.shader) else { return Ok(borrowed) };
+        let load = |path: &Path| library::text(path).map(str::to_owned);
+        let compiled = compile("closure_output.osl", CLOSURE_OUTPUT, &Options::default(), &load);
+        let shader = compiled.shader.ok_or("the layer of closure outputs does not compile")?;
+        let mut group = self.group.clone();
+        let layer = format!("closure_output_{}", group.layers.len());
+        group.add(Arc::new(shader), Some(&layer), &[], &mut Vec::new());
+        group.connect(&last.name, output, &layer, "value")?;
+        Ok(Cow::Owned(group))
     }
 
     /// As a light.

@@ -4,7 +4,7 @@
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Film, Kind, Scattering};
 
-use super::floor::{floor, surface};
+use super::floor::{floor, script, surface};
 
 fn point(body: &str) -> Scattering {
     let hits = floor(1);
@@ -242,4 +242,17 @@ fn models_are_those_that_were_asked_for() {
     });
     assert_eq!(glass.bsdf.lobes().as_slice(), expected, "glass: what is mirrored, and what goes through");
     assert_eq!(schlick(3), Lobe::microfacets(0.2, grey, Vec3::ONE).risen(3.0));
+}
+
+/// MaterialX's generated shaders give a closure as an output, and do not write `Ci`.
+#[test]
+fn a_closure_output_is_ci_where_a_shader_has_none() {
+    let text = "shader test (color tint = color (0.2, 0.4, 0.6), output closure color out = 0)
+        { out = tint * diffuse (N); }";
+    let mut out = ClosureBatch::default();
+    out.reset(1);
+    script(text).surface().expect("a surface").evaluate(&floor(1), &mut out);
+    let expected = point("Ci = color (0.2, 0.4, 0.6) * diffuse (N);");
+    assert_eq!(out.point(0).bsdf.lobes().as_slice(), expected.bsdf.lobes().as_slice());
+    assert_eq!(expected.bsdf.lobes().as_slice().len(), 1);
 }
