@@ -145,10 +145,9 @@ impl Script {
             other => return Err(format!("{}: shaders of type {other} are not drawn", path.display())),
         };
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        if kind == Kind::Surface && last.shader.find("Ci").is_none() {
-            if closure_output(&last.shader).is_none() {
-                reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black"));
-            }
+        let is_black = last.shader.find("Ci").is_none() && closure_output(&last.shader).is_none();
+        if kind == Kind::Surface && is_black {
+            reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black"));
         }
         Ok(Self {
             name,

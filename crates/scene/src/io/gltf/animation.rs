@@ -9,8 +9,9 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::accessor::floats;
+use super::animation_json;
 use super::document::Document;
-use super::json::{self, Index};
+use super::json::Index;
 use super::pointer::{Aim, NodePart, WeightsOf};
 use crate::affine::Affine;
 use crate::animation::{Interpolation, Sampler, stretches};
@@ -93,7 +94,7 @@ pub(super) fn read(document: &Document<'_>, warnings: &mut Warnings) -> Result<D
     let mut times = HashMap::new();
     for (i, piece) in document.root.animations.iter().enumerate() {
         let location = format!("animations[{i}]");
-        let from: json::Animation<'_> = document.read(piece, &location)?;
+        let from: animation_json::Animation<'_> = document.read(piece, &location)?;
         let mut reader =
             Reader { document, from: &from, location, times: &mut times, samplers: HashMap::new() };
         let mut channels = Vec::new();
@@ -114,7 +115,7 @@ pub(super) fn read(document: &Document<'_>, warnings: &mut Warnings) -> Result<D
 /// The channels of one animation.
 struct Reader<'a, 'd> {
     document: &'a Document<'d>,
-    from: &'a json::Animation<'d>,
+    from: &'a animation_json::Animation<'d>,
     location: String,
     /// Times of keys, by their accessors.
     times: &'a mut HashMap<Index, Arc<[f32]>>,
@@ -126,7 +127,8 @@ impl<'d> Reader<'_, 'd> {
     fn channel(&mut self, number: Index, warnings: &mut Warnings) -> Result<Option<DraftChannel>, Error> {
         let document = self.document;
         let location = format!("{}.channels[{}]", self.location, number.0);
-        let channel: json::Channel<'_> = document.get(&self.from.channels, number, &location, "channel")?;
+        let channel: animation_json::Channel<'_> =
+            document.get(&self.from.channels, number, &location, "channel")?;
         let aim = match (&channel.target.extensions.pointer, channel.target.node) {
             (Some(pointer), _) if &*channel.target.path == "pointer" => Aim::of_pointer(&pointer.pointer),
             (_, Some(node)) => Aim::of_path(node, &channel.target.path),
@@ -175,7 +177,8 @@ impl<'d> Reader<'_, 'd> {
         }
         let document = self.document;
         let location = format!("{}.samplers[{}]", self.location, index.0);
-        let curve: json::Curve<'_> = document.get(&self.from.samplers, index, channel, "sampler")?;
+        let curve: animation_json::Curve<'_> =
+            document.get(&self.from.samplers, index, channel, "sampler")?;
         let interpolation = match curve.interpolation.as_deref() {
             None | Some("LINEAR") => Ok(Interpolation::Linear),
             Some("STEP") => Ok(Interpolation::Step),
@@ -206,7 +209,7 @@ impl<'d> Reader<'_, 'd> {
     /// The keys; the inner error gives the reason that they cannot be played.
     fn keys(
         &mut self,
-        curve: &json::Curve<'_>,
+        curve: &animation_json::Curve<'_>,
         interpolation: Interpolation,
         width: Option<usize>,
         location: &str,

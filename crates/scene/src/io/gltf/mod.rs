@@ -15,6 +15,7 @@
 
 mod accessor;
 mod animation;
+mod animation_json;
 mod base64;
 mod camera;
 mod container;
