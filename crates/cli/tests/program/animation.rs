@@ -188,7 +188,7 @@ fn animations_are_listed_and_their_loss_is_told() {
     );
     let text = folder.gnurt("info a.gltf").success().stdout;
     assert!(text.contains("0 'all': 0 to 2 s, 3 channels"), "{text}");
-    let run = folder.gnurt("convert a.gltf b.glb").success();
+    let run = folder.gnurt("convert a.gltf b.obj").success();
     assert!(run.stderr.contains("animation, written as it is shown) [2 in all]"), "{}", run.stderr);
 }
 

@@ -32,7 +32,11 @@ fn commands_and_their_words() {
     check(&[
         ("", 2, "command missing"),
         ("rendr ok.obj", 2, "unknown command 'rendr'; did you mean 'render'?"),
-        ("draw ok.obj", 2, "valid are: render, join, view, info, diff, convert, trace, bench, scenes, help"),
+        (
+            "draw ok.obj",
+            2,
+            "valid are: render, join, denoise, view, info, diff, convert, trace, bench, scenes, help",
+        ),
         ("--frobnicate", 2, "unknown option '--frobnicate'"),
         ("help nonsense", 2, "nonsense"),
         ("render", 2, "<SCENE> is missing"),

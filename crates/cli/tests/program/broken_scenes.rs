@@ -143,18 +143,18 @@ fn glb() {
 #[test]
 fn what_is_no_scene_file() {
     let folder = Folder::new();
-    folder.write("scene.stl", "solid\n");
+    folder.write("scene.xyz", "solid\n");
     folder.write("scene", "v 0 0 0\n");
     std::fs::create_dir(folder.at("folder.obj")).expect("a folder");
     let before = folder.contents();
     let rows = [
         ("missing.obj", "missing.obj: no such file"),
         ("none/missing.obj", "no such file"),
-        ("scene.stl", "unknown scene format"),
+        ("scene.xyz", "unknown scene format"),
         ("scene", "scene"),
         ("folder.obj", "is a folder"),
         ("/dev/null", "/dev/null"),
-        ("scene.stl/a.obj", "scene.stl/a.obj"),
+        ("scene.xyz/a.obj", "scene.xyz/a.obj"),
     ];
     for (scene, expected) in rows {
         println!("{scene}");

@@ -13,7 +13,7 @@ fn picture(folder: &Folder, name: &str) -> Picture {
 }
 
 fn apart(a: &Picture, b: &Picture) -> f64 {
-    gnurt::image::compare(a, b).expect("of one size").mse
+    gnurt::image::compare(a, b).expect("of one size").rel_mse
 }
 
 #[test]
@@ -64,7 +64,8 @@ fn files_of_cycles_are_known_by_their_names() {
     assert!(run.stderr.contains("albedo from 'ViewLayer.Denoising Albedo'"), "{}", run.stderr);
     let [truth, noisy, clean] = ["truth.exr", "noisy.exr", "clean.exr"].map(|name| picture(&folder, name));
     let (before, after) = (apart(&noisy, &truth), apart(&clean, &truth));
-    assert!(after < 0.4 * before, "{after} of {before}");
+    // A fifth with the variance that our own files have.
+    assert!(after < 0.5 * before, "{after} of {before}");
     foreign.layers.clear();
     write(&foreign, "bare.exr");
     folder.gnurt("denoise bare.exr -o no.exr").fails(1, "bare.exr: the picture has no channel 'albedo.R'");

@@ -9,7 +9,7 @@ use crate::nearest::unknown;
 const WORDS: [(&str, &[&str]); 10] = [
     ("albedo", &["albedo"]),
     ("background", &[BACKGROUND]),
-    ("denoise", &["albedo", "N", "variance", "emission", "depth", "id", "motion"]),
+    ("denoise", &["albedo", "N", "variance", "emission", "depth", "id", "motion", BACKGROUND]),
     ("depth", &["depth", ""]),
     ("emission", &["emission"]),
     ("ids", &["id"]),
