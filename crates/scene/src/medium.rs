@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Media between surfaces: fog, smoke, milk, wax. Plain data.
-//! Source: [PJH23] chapter 11; KHR_materials_volume_scatter. Units: 1 over world units, radiance.
+//! Source: \[PJH23\] chapter 11; KHR_materials_volume_scatter. Units: 1 over world units, radiance.
 //! Conventions: coefficients are those at density 1; a grid's density is multiplied to them.
 //! Tests: `tests`, crates/render/tests/media.rs.
 
@@ -124,7 +124,7 @@ impl DensityGrid {
 }
 
 /// The albedo of one scattering event whose many make a thick body of the colour `color` without a surface.
-/// Source: [KC17], the inverse of a fit to isotropic scattering; with anisotropy by similarity.
+/// Source: \[KC17\], the inverse of a fit to isotropic scattering; with anisotropy by similarity.
 #[must_use]
 pub fn single_albedo(color: f32, anisotropy: f32) -> f32 {
     let color = color.clamp(0.0, 1.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Phase functions: the directions of light that a medium scatters.
-//! Source: [HG41]; sampled as in [PJH23] section 11.3. Two lobes, for media that scatter back, too.
+//! Source: \[HG41\]; sampled as in \[PJH23\] section 11.3. Two lobes, for media that scatter back, too.
 //! Conventions: `cos` is between the directions in which light travels before and after: 1 = straight on.
 //! Invariants: the integral over all directions is 1, and it is the density of `sample`, for one or sixteen.
 //! Tests: `tests`.
