@@ -8,7 +8,7 @@ use gnurt_accel::{Hit, HitSlices, PointHit, Query, Ray64};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::arrays::New;
+use crate::arrays::{New, Output};
 use crate::hits::{AllHits, Found, Hits};
 use crate::pool::Workers;
 use crate::rays::Rays;
@@ -32,9 +32,30 @@ pub(crate) struct RayQuery {
     pub(crate) workers: Workers,
 }
 
-/// Geometry, instance and leaf as the trees name them.
-fn ids_of(hit: &Hit) -> [u32; 3] {
-    [hit.geom_id, hit.inst_id, hit.leaf_id]
+/// A hit of either precision.
+pub(crate) trait AnyHit {
+    type Number: Output;
+    /// Distance, then both weights.
+    fn numbers(&self) -> [Self::Number; 3];
+    fn prim_id(&self) -> u32;
+    /// Geometry, instance and leaf as the trees name them.
+    fn ids(&self) -> [u32; 3];
+}
+
+impl AnyHit for Hit {
+    type Number = f32;
+
+    fn numbers(&self) -> [f32; 3] {
+        [self.t, self.u, self.v]
+    }
+
+    fn prim_id(&self) -> u32 {
+        self.prim_id
+    }
+
+    fn ids(&self) -> [u32; 3] {
+        [self.geom_id, self.inst_id, self.leaf_id]
+    }
 }
 
 impl RayQuery {
@@ -155,31 +176,36 @@ impl RayQuery {
             });
             py.check_signals()?;
         }
+        self.listed(py, &splits, &all)
+    }
+
+    /// Arrays of the hits of all rays, which are those between two of `splits`.
+    pub(crate) fn listed<H: AnyHit>(self, py: Python<'_>, splits: &[i64], all: &[H]) -> PyResult<AllHits> {
         let of_rays = splits.windows(2).enumerate();
         let ray_ids: Vec<i64> =
             of_rays.flat_map(|(i, ends)| (ends[0]..ends[1]).map(move |_| i as i64)).collect();
-        let floats = |field: fn(&Hit) -> f32| -> PyResult<Py<PyAny>> {
-            Ok(New::of(py, &all.iter().map(field).collect::<Vec<f32>>())?.done())
+        let numbers = |i: usize| -> PyResult<Py<PyAny>> {
+            Ok(New::of(py, &all.iter().map(|hit| hit.numbers()[i]).collect::<Vec<_>>())?.done())
         };
-        let ids = |field: &dyn Fn(&Hit) -> u32| -> PyResult<Py<PyAny>> {
+        let ids = |field: &dyn Fn(&H) -> u32| -> PyResult<Py<PyAny>> {
             New::of(py, &all.iter().map(field).collect::<Vec<u32>>())?.done_as("int32")
         };
-        let named = |hit: &Hit| self.trees.ids(ids_of(hit));
+        let named = |hit: &H| self.trees.ids(hit.ids());
         let levels = self.trees.levels();
         let mut path = New::<u32>::empty(py, all.len(), levels)?;
-        for (path, hit) in path.all().chunks_exact_mut(levels).zip(&all) {
-            self.trees.path(ids_of(hit), path);
+        for (path, hit) in path.all().chunks_exact_mut(levels).zip(all) {
+            self.trees.path(hit.ids(), path);
         }
         Ok(AllHits {
-            splits: New::of(py, &splits)?.done(),
+            splits: New::of(py, splits)?.done(),
             ray_id: New::of(py, &ray_ids)?.done(),
-            t: floats(|hit| hit.t)?,
-            prim_id: ids(&|hit| hit.prim_id)?,
+            t: numbers(0)?,
+            prim_id: ids(&H::prim_id)?,
             geom_id: ids(&|hit| named(hit).0)?,
             inst_id: ids(&|hit| named(hit).1)?,
             path: path.rows_as("int32", levels)?,
-            u: floats(|hit| hit.u)?,
-            v: floats(|hit| hit.v)?,
+            u: numbers(1)?,
+            v: numbers(2)?,
         })
     }
 

@@ -7,13 +7,25 @@ use gnurt_accel::doubles::{DoubleHit, DoublePoint, DoubleRay, DoubleScene};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::answers::{POINTS, RayQuery, Which};
+use crate::answers::{AnyHit, POINTS, RayQuery, Which};
 use crate::arrays::New;
 use crate::hits::{AllHits, Found, Hits};
 use crate::rays::Rays;
 
-fn ids_of(hit: &DoubleHit) -> [u32; 3] {
-    [hit.geom_id, hit.inst_id, hit.leaf_id]
+impl AnyHit for DoubleHit {
+    type Number = f64;
+
+    fn numbers(&self) -> [f64; 3] {
+        [self.t, self.u, self.v]
+    }
+
+    fn prim_id(&self) -> u32 {
+        self.prim_id
+    }
+
+    fn ids(&self) -> [u32; 3] {
+        [self.geom_id, self.inst_id, self.leaf_id]
+    }
 }
 
 impl RayQuery {
@@ -35,7 +47,7 @@ impl RayQuery {
                         (t[i], u[i], v[i]) =
                             hit.map_or((f64::INFINITY, 0.0, 0.0), |hit| (hit.t, hit.u, hit.v));
                         prim[i] = hit.map_or(u32::MAX, |hit| hit.prim_id);
-                        let named = hit.map(|hit| self.trees.ids(ids_of(&hit)));
+                        let named = hit.map(|hit| self.trees.ids(hit.ids()));
                         (geom[i], inst[i]) = named.unwrap_or((u32::MAX, u32::MAX));
                         let of = |hit: DoubleHit| [hit.prim_id, hit.geom_id, hit.inst_id, hit.leaf_id];
                         ids.push(hit.map_or([u32::MAX; 4], of));
@@ -131,32 +143,7 @@ impl RayQuery {
             });
             py.check_signals()?;
         }
-        let of_rays = splits.windows(2).enumerate();
-        let ray_ids: Vec<i64> =
-            of_rays.flat_map(|(i, ends)| (ends[0]..ends[1]).map(move |_| i as i64)).collect();
-        let floats = |field: fn(&DoubleHit) -> f64| -> PyResult<Py<PyAny>> {
-            Ok(New::of(py, &all.iter().map(field).collect::<Vec<f64>>())?.done())
-        };
-        let ids = |field: &dyn Fn(&DoubleHit) -> u32| -> PyResult<Py<PyAny>> {
-            New::of(py, &all.iter().map(field).collect::<Vec<u32>>())?.done_as("int32")
-        };
-        let named = |hit: &DoubleHit| self.trees.ids(ids_of(hit));
-        let levels = self.trees.levels();
-        let mut path = New::<u32>::empty(py, all.len(), levels)?;
-        for (path, hit) in path.all().chunks_exact_mut(levels).zip(&all) {
-            self.trees.path(ids_of(hit), path);
-        }
-        Ok(AllHits {
-            splits: New::of(py, &splits)?.done(),
-            ray_id: New::of(py, &ray_ids)?.done(),
-            t: floats(|hit| hit.t)?,
-            prim_id: ids(&|hit| hit.prim_id)?,
-            geom_id: ids(&|hit| named(hit).0)?,
-            inst_id: ids(&|hit| named(hit).1)?,
-            path: path.rows_as("int32", levels)?,
-            u: floats(|hit| hit.u)?,
-            v: floats(|hit| hit.v)?,
-        })
+        self.listed(py, &splits, &all)
     }
 
     pub(crate) fn double_contains(

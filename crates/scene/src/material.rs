@@ -49,6 +49,9 @@ impl Color {
     }
 }
 
+/// Albedo of a mesh whose file names no material.
+pub(crate) const DEFAULT_ALBEDO: f32 = 0.6;
+
 /// Scattering models.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {

@@ -161,6 +161,7 @@ impl Override {
     fn number(&self, low: f32, high: f32) -> Result<f32, OverrideError> {
         match self.value[..] {
             [x] if (low..=high).contains(&x) => Ok(x),
+            _ if high == f32::MAX => Err(self.error(format_args!("expected a number of {low} or more"))),
             _ => Err(self.error(format_args!("expected a number from {low} to {high}"))),
         }
     }
@@ -245,7 +246,10 @@ impl Override {
         };
         let most = power.iter().fold(0.0_f32, |most, &c| most.max(c));
         *power = match &self.property[..] {
-            "scale" => power.map(|c| c * self.value[0]),
+            "scale" => {
+                let scale = self.number(0.0, f32::MAX)?;
+                power.map(|c| c * scale)
+            }
             "intensity" => {
                 let to = self.number(0.0, f32::MAX)?;
                 if most > 0.0 { power.map(|c| c / most * to) } else { [to; 3] }
@@ -258,10 +262,7 @@ impl Override {
             }
             _ => return Err(self.unknown(OF_LIGHTS)),
         };
-        match self.property == "scale" && (self.value.len() != 1 || self.value[0] < 0.0) {
-            true => Err(self.error("expected a number of 0 or more")),
-            false => Ok(()),
-        }
+        Ok(())
     }
 }
 

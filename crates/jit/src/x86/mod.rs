@@ -263,8 +263,22 @@ impl Emitter<'_> {
         self.asm.test(Eax, Eax);
     }
 
+    /// Takes the fuel of one iteration. Where none is left all iterating lanes are noted as stopped, and leave the loop.
+    fn spend_fuel(&mut self, [turns, say, stopped]: [u32; 3], done: Label) {
+        let fueled = self.asm.label();
+        self.asm.subtract_from_word(Layout::FUEL, turns);
+        self.asm.jump_if(When::NotNegative, fueled);
+        // No more iterations are allowed.
+        self.asm.set_bits(Layout::FUEL, 0);
+        self.call(say);
+        self.load_exec();
+        self.asm.access(Access::OrInto, Eax, Layout::slot(stopped));
+        self.asm.jump(done);
+        self.asm.bind(fueled);
+    }
+
     fn tight(&mut self, inner: &Tight) {
-        let [top, fueled, done] = [self.asm.label(), self.asm.label(), self.asm.label()];
+        let [top, done] = [self.asm.label(), self.asm.label()];
         self.load_exec();
         self.store(Eax, inner.entry);
         if !inner.body_first {
@@ -273,15 +287,7 @@ impl Emitter<'_> {
             self.asm.jump_if(When::Zero, done);
         }
         self.asm.bind(top);
-        self.asm.subtract_from_word(Layout::FUEL, inner.turns);
-        self.asm.jump_if(When::NotNegative, fueled);
-        // Stopped: all iterating lanes leave, and no more iterations are allowed.
-        self.asm.set_bits(Layout::FUEL, 0);
-        self.call(inner.say);
-        self.load_exec();
-        self.asm.access(Access::OrInto, Eax, Layout::slot(inner.stopped));
-        self.asm.jump(done);
-        self.asm.bind(fueled);
+        self.spend_fuel([inner.turns, inner.say, inner.stopped], done);
         self.block(&inner.iteration);
         self.go_on(inner.live);
         self.asm.jump_if(When::NotZero, top);
@@ -293,7 +299,6 @@ impl Emitter<'_> {
 
     fn iterations(&mut self, inner: &Loop) {
         let (top, body, done) = (self.asm.label(), self.asm.label(), self.asm.label());
-        let fueled = self.asm.label();
         self.load_exec();
         self.store(Eax, inner.entry);
         self.store(Eax, inner.live);
@@ -317,15 +322,7 @@ impl Emitter<'_> {
         }
         self.asm.jump_if(When::Zero, done);
         self.asm.bind(body);
-        self.asm.subtract_from_word(Layout::FUEL, inner.turns);
-        self.asm.jump_if(When::NotNegative, fueled);
-        // Stopped: all iterating lanes leave, and no more iterations are allowed.
-        self.asm.set_bits(Layout::FUEL, 0);
-        self.call(inner.say);
-        self.load_exec();
-        self.asm.access(Access::OrInto, Eax, Layout::slot(inner.stopped));
-        self.asm.jump(done);
-        self.asm.bind(fueled);
+        self.spend_fuel([inner.turns, inner.say, inner.stopped], done);
         self.asm.set_bits(Layout::slot(inner.waiting), 0);
         self.block(&inner.body);
         self.load_exec();

@@ -17,12 +17,10 @@ use super::save::stl as save;
 use super::source::{self, Access};
 use super::{Error, Loaded, Oddity, Warnings};
 use crate::affine::Affine;
-use crate::material::Material;
+use crate::material::{DEFAULT_ALBEDO, Material};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-/// Albedo of a mesh that has no material.
-const ALBEDO: f32 = 0.6;
 /// Bytes before the triangles of a binary file: a text, and their number.
 const HEADER: usize = 84;
 /// Bytes of a triangle of a binary file: normal, corners, two bytes without a meaning.
@@ -109,7 +107,7 @@ fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     drop(known);
     clean(&mut mesh, path, &mut warnings);
     let mut scene = Scene::new();
-    mesh.material = scene.add_material(Material::matte(name.clone(), [ALBEDO; 3]));
+    mesh.material = scene.add_material(Material::matte(name.clone(), [DEFAULT_ALBEDO; 3]));
     if !mesh.indices.is_empty() {
         let mesh = scene.add_mesh(mesh);
         let object = scene.add_object_of(name, vec![mesh]);

@@ -30,7 +30,8 @@ use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings};
 use crate::layer_textures::LayerTextures;
 use crate::material::{
-    Alpha, BumpMap, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
+    Alpha, BumpMap, Color, DEFAULT_ALBEDO, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface,
+    TextureRef,
 };
 use crate::scene::Scene;
 use crate::shader_file::ShaderFile;
@@ -41,8 +42,6 @@ use gnurt_image::Excess;
 const MATERIAL_BYTES: usize = size_of::<Material>() + size_of::<Principled>() + 64;
 /// Bytes of a texture of the scene, without its names and its texels.
 const TEXTURE_BYTES: usize = 256;
-/// Albedo of faces without a material.
-const DEFAULT_ALBEDO: f32 = 0.6;
 /// Roughness of sheen, of which MTL gives only the strength.
 const SHEEN_ROUGHNESS: f32 = 0.5;
 /// From this exponent on a highlight is a mirror image.

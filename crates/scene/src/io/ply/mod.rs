@@ -24,12 +24,9 @@ use super::origin::Origin;
 use super::save::ply as save;
 use super::source::{self, Access};
 use super::{Error, Loaded, Oddity, Warnings};
-use crate::material::Material;
+use crate::material::{DEFAULT_ALBEDO, Material};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
-
-/// Albedo of a mesh that has no material.
-const ALBEDO: f32 = 0.6;
 
 /// The format.
 pub(super) const FORMAT: Format = Format {
@@ -96,7 +93,7 @@ fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     let name = mesh.name.clone();
 
     let mut scene = Scene::new();
-    mesh.material = scene.add_material(Material::matte(name.clone(), [ALBEDO; 3]));
+    mesh.material = scene.add_material(Material::matte(name.clone(), [DEFAULT_ALBEDO; 3]));
     if mesh.indices.is_empty() {
         if !mesh.positions.is_empty() {
             warnings.note(Oddity::PointsOrLines, path, None, format!("{} points", mesh.positions.len()));

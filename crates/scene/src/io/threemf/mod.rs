@@ -21,12 +21,10 @@ use super::source::{self, Access};
 use super::{Error, Loaded, Warnings};
 use crate::affine::Affine;
 use crate::id::{MaterialId, ObjectId};
-use crate::material::Material;
+use crate::material::{DEFAULT_ALBEDO, Material};
 use crate::mesh::Mesh;
 use crate::scene::{Member, Object, Scene};
 
-/// Albedo of triangles without a colour.
-const ALBEDO: f32 = 0.6;
 /// Members in members that are followed.
 const DEEPEST: usize = 32;
 
@@ -167,7 +165,7 @@ impl Builder<'_> {
     }
 
     fn material(&mut self, color: Option<[f32; 4]>) -> MaterialId {
-        let color = color.unwrap_or([ALBEDO, ALBEDO, ALBEDO, 1.0]);
+        let color = color.unwrap_or([DEFAULT_ALBEDO, DEFAULT_ALBEDO, DEFAULT_ALBEDO, 1.0]);
         let scene = &mut self.scene;
         *self.materials.entry(color.map(f32::to_bits)).or_insert_with(|| {
             let [r, g, b, _] = color;
