@@ -4,7 +4,7 @@
 //! `ffi*.rs` hold the exported functions and all of the `unsafe` code. `ffi_device.rs`, `ffi_scene.rs`, `ffi_geometry.rs`,
 //! `ffi_arrays.rs` edit the objects of `objects.rs`, and `commit.rs` builds from them. `ffi_trace.rs` and `ffi_point.rs`
 //! trace queries, `ffi_filter.rs` and `ffi_user.rs` call the program from trees, `ffi_forward.rs` forwards rays to other
-//! scenes. No panic crosses to C. docs/reference/c-rays.md is the manual.
+//! scenes. No panic crosses to C. docs/reference/c-rays.md is the manual. Tests: `tests/c/*.c`.
 //!
 //! Memory, exceptions and threads are files of libgnurt, compiled a second time: a library of both would export
 //! the calls of both.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments of `denoise`.
+//! Arguments of `gnurt denoise`, which filters finished pictures and films. Tests: `tests/program/denoise.rs`.
 
 use std::path::PathBuf;
 

@@ -3,6 +3,7 @@
 //! sizes, against the variance of these means. Small squares find edges of shadows, large ones find weak changes.
 //! The weight is that of a biased measurement: `1 / (1 + bias^2 / variance)`, where the variance is what the
 //! filter of one picture leaves.
+//! Tests: `tests/film.rs`.
 
 use rayon::prelude::*;
 

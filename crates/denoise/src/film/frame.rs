@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The planes of a frame that other frames borrow from.
 //! Space: pixels of the frame, to the right and down; distances from the eye in world units.
+//! Tests: `tests/film.rs`.
 
 use gnurt_image::{ChannelData, Picture};
 

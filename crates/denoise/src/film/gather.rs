@@ -2,6 +2,7 @@
 //! A frame with the light of its window: the weighted mean of the light of its points in other frames, and
 //! the variance of that. Light is without albedo, so that textures stay sharp. Where a pixel's points do not move,
 //! albedo, normal and direct light are means, too: edges stand still.
+//! Tests: `tests/film.rs`.
 
 use gnurt_image::{Layer, Picture};
 use rayon::prelude::*;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where the points of a frame are in other frames of the window: motion is followed from frame to frame.
 //! A point that is hidden in a frame between is lost. Invariant: a position is within the frame.
+//! Tests: `tests/film.rs`.
 
 use rayon::prelude::*;
 
