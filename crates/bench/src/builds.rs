@@ -6,7 +6,7 @@
 use std::time::Instant;
 
 use gnurt::ThreadPool;
-use gnurt::accel::{BuildOptions, Coherence, ObjectTree, Quality, Structure, Threads};
+use gnurt::accel::{BuildOptions, Coherence, ObjectTree, Threads};
 use gnurt::simd::Level;
 use serde_json::{Value, json};
 
@@ -77,7 +77,7 @@ enum Plan {
 
 impl Plan {
     fn all() -> Vec<Self> {
-        OwnKind::ALL.into_iter().map(Self::Own).chain(EmbreeKind::ALL.map(Self::Embree)).collect()
+        OwnKind::all().into_iter().map(Self::Own).chain(EmbreeKind::ALL.map(Self::Embree)).collect()
     }
 
     fn engine(self) -> &'static str {
@@ -99,10 +99,8 @@ fn plans(filter: &Filter) -> Result<Vec<Plan>, Error> {
     if !filter.modes.iter().all(|part| modes.iter().any(|mode| mode.contains(part))) {
         return Err(Error::NothingToDo { valid: modes });
     }
-    // A kd-tree of high quality equals one of medium quality; grids are measured on request.
     let is_usual = |plan: &Plan| match plan {
-        Plan::Own(OwnKind::GRID) => false,
-        Plan::Own(kind) => (kind.structure, kind.quality) != (Structure::Kd, Quality::High),
+        Plan::Own(kind) => !kind.is_second(),
         Plan::Embree(_) => true,
     };
     plans.retain(|plan| match filter.modes.is_empty() {

@@ -23,7 +23,7 @@ use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
 use crate::row::median;
 use crate::timing::{Rays, time};
-use crate::{Class, Contestant, EmbreeLibrary, Error, Subject};
+use crate::{Class, Contestant, EmbreeLibrary, Error, Subject, research};
 
 /// The scenes to measure, and the method.
 #[derive(Clone, Copy, Debug)]
@@ -53,9 +53,11 @@ pub(crate) fn deformed(subject: &Subject, share: f32, to: &mut [[f32; 3]]) {
     }
 }
 
-/// Rebuilt structures: grids, BVHs and the quick kd-tree.
-const REBUILT: [OwnKind; 5] =
-    [OwnKind::GRID, OwnKind::FAST, OwnKind::MEDIUM, OwnKind::HIGH, OwnKind::FAST_KD];
+/// Rebuilt structures: BVHs, and with the feature `research` grids and the quick kd-tree.
+fn rebuilt() -> impl Iterator<Item = OwnKind> {
+    let of = |name| research::find(name).map(|structure| OwnKind::new(structure, Quality::Fast));
+    of("grid").into_iter().chain([OwnKind::FAST, OwnKind::MEDIUM, OwnKind::HIGH]).chain(of("kd"))
+}
 
 /// Something that follows the frames.
 enum Follower<'a> {
@@ -72,11 +74,16 @@ impl Follower<'_> {
             Self::Refit(_) => ("refit", "refit", "gnurt"),
             Self::Moving(Motion::Auto, _) => ("refit", "auto", "gnurt"),
             Self::Moving(..) => ("refit", "known", "gnurt"),
-            Self::Build(OwnKind { structure: Structure::Grid, .. }, _) => ("rebuild", "grid", "gnurt"),
-            Self::Build(OwnKind { structure: Structure::Kd, .. }, _) => ("rebuild", "kd-fast", "gnurt"),
-            Self::Build(OwnKind { quality: Quality::Fast, .. }, _) => ("rebuild", "fast", "gnurt"),
-            Self::Build(OwnKind { quality: Quality::Medium, .. }, _) => ("rebuild", "medium", "gnurt"),
-            Self::Build(OwnKind { quality: Quality::High, .. }, _) => ("rebuild", "high", "gnurt"),
+            Self::Build(kind, _) => {
+                let strategy = match (research::name(kind.structure), kind.quality) {
+                    ("grid", _) => "grid",
+                    ("kd", _) => "kd-fast",
+                    (_, Quality::Fast) => "fast",
+                    (_, Quality::Medium) => "medium",
+                    (_, Quality::High) => "high",
+                };
+                ("rebuild", strategy, "gnurt")
+            }
             Self::EmbreeRefit(_) => ("refit", "refit", "embree4"),
             Self::EmbreeBuild(0, _) => ("rebuild", "low", "embree4"),
             Self::EmbreeBuild(1, _) => ("rebuild", "medium", "embree4"),
@@ -135,7 +142,7 @@ pub fn run(
     }
 
     // Builds of the last frame.
-    for kind in REBUILT {
+    for kind in rebuilt() {
         let mut taken = Vec::new();
         let mut last = None;
         for _ in 0..options.rounds {

@@ -26,6 +26,12 @@ pub enum Error {
         /// The missing part.
         why: String,
     },
+    /// A structure that is not compiled in.
+    #[error("this program has no {structure}: build it with --features research")]
+    NoResearch {
+        /// Its name.
+        structure: String,
+    },
     /// Two engines answered the same rays differently: fast and wrong is not fast.
     #[error("answers differ: {0}")]
     Differ(String),

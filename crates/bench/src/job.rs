@@ -6,7 +6,7 @@ use std::fmt;
 
 use gnurt::accel::{BuildOptions, Coherence, Memory, Quality, Structure};
 
-use crate::Error;
+use crate::{Error, research};
 
 /// One measurement. Its [`mode`](Self::mode) is its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,20 +87,28 @@ impl OwnKind {
     pub(crate) const MEDIUM: Self = Self::new(Structure::Bvh, Quality::Medium);
     pub(crate) const FAST: Self = Self::new(Structure::Bvh, Quality::Fast);
     pub(crate) const HIGH: Self = Self::new(Structure::Bvh, Quality::High);
-    pub(crate) const FAST_KD: Self = Self::new(Structure::Kd, Quality::Fast);
-    pub(crate) const GRID: Self = Self::new(Structure::Grid, Quality::Fast);
-    pub(crate) const ALL: [Self; 8] = [
-        Self::FAST,
-        Self::MEDIUM,
-        Self::HIGH,
-        Self { memory: Memory::Compact, ..Self::MEDIUM },
-        Self::FAST_KD,
-        Self::new(Structure::Kd, Quality::Medium),
-        Self::new(Structure::Kd, Quality::High),
-        Self::GRID,
-    ];
 
-    const fn new(structure: Structure, quality: Quality) -> Self {
+    /// All that are compiled in.
+    pub(crate) fn all() -> Vec<Self> {
+        let mut all =
+            vec![Self::FAST, Self::MEDIUM, Self::HIGH, Self { memory: Memory::Compact, ..Self::MEDIUM }];
+        if let Some(kd) = research::find("kd") {
+            all.extend([Quality::Fast, Quality::Medium, Quality::High].map(|quality| Self::new(kd, quality)));
+        }
+        all.extend(research::find("grid").map(|grid| Self::new(grid, Quality::Fast)));
+        all
+    }
+
+    /// Kd-trees of high quality equal those of medium quality; grids are measured on request.
+    pub(crate) fn is_second(self) -> bool {
+        match research::name(self.structure) {
+            "grid" => true,
+            "kd" => self.quality == Quality::High,
+            _ => false,
+        }
+    }
+
+    pub(crate) const fn new(structure: Structure, quality: Quality) -> Self {
         Self { structure, quality, memory: Memory::Fast }
     }
 
@@ -111,14 +119,10 @@ impl OwnKind {
 
     /// `bvh-medium`, `bvh-compact`, `kd-fast`, ...; grids have one quality.
     pub(crate) fn name(self) -> String {
-        let structure = match self.structure {
-            Structure::Bvh => "bvh",
-            Structure::Kd => "kd",
-            Structure::Bih => "bih",
-            Structure::PlainBih => "bih-plain",
-            Structure::BKd => "b-kd",
-            Structure::Grid => return "grid".to_owned(),
-        };
+        let structure = research::name(self.structure);
+        if structure == "grid" {
+            return structure.to_owned();
+        }
         let quality = match (self.memory, self.quality) {
             (Memory::Compact, _) => "compact",
             (_, Quality::Fast) => "fast",
@@ -163,7 +167,7 @@ impl Job {
     #[must_use]
     pub fn all() -> Vec<Self> {
         let mut jobs = Vec::new();
-        for kind in OwnKind::ALL {
+        for kind in OwnKind::all() {
             let batches =
                 [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent].map(QueryKind::Batch);
             let query_kind = [QueryKind::One].into_iter().chain(batches);
@@ -182,11 +186,9 @@ impl Job {
     /// quality, because high is medium.
     fn is_usual(&self) -> bool {
         match self {
-            Self::Own { kind: OwnKind { structure: Structure::Kd, quality, .. }, .. } => {
-                *quality == Quality::Medium
+            Self::Own { kind, .. } => {
+                !kind.is_second() && kind.quality != Quality::Fast && kind.memory == Memory::Fast
             }
-            Self::Own { kind: OwnKind { structure: Structure::Grid, .. }, .. } => false,
-            Self::Own { kind, .. } => kind.quality != Quality::Fast && kind.memory == Memory::Fast,
             Self::Embree { kind, .. } => *kind != EmbreeKind::Compact,
         }
     }

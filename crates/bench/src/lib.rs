@@ -47,6 +47,7 @@ mod random;
 mod ray_classes;
 pub mod rays;
 pub mod record;
+pub mod research;
 mod row;
 mod single;
 pub mod stadium;

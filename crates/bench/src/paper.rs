@@ -8,7 +8,7 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use gnurt::accel::{BuildOptions, Coherence, ObjectTree, Quality, Structure, Threads};
+use gnurt::accel::{BuildOptions, Coherence, ObjectTree, Quality, Threads};
 use gnurt::simd::Level;
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
 use crate::row::median;
 use crate::timing::Rays;
-use crate::{Class, Contestant, Error, Subject};
+use crate::{Class, Contestant, Error, Subject, research};
 
 /// The values of \[SIP06\] for a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,14 +103,15 @@ pub struct PaperRow {
 /// Measures one scene with one thread; of `options` size, rounds and batch count.
 ///
 /// # Errors
-/// [`Error::Scene`] without a view, [`Error::Differ`] if the levels disagree.
+/// [`Error::NoResearch`] without kd-trees, [`Error::Scene`] without a view, [`Error::Differ`] if the levels disagree.
 pub fn run(
     subject: &Subject,
     options: &Options,
     report: &mut dyn FnMut(BenchEvent),
 ) -> Result<PaperRow, Error> {
+    let structure = research::require("kd")?;
     let build = |quality| {
-        let settings = BuildOptions { structure: Structure::Kd, quality, ..BuildOptions::default() };
+        let settings = BuildOptions { structure, quality, ..BuildOptions::default() };
         let (start, before) = (Instant::now(), thread_seconds());
         let tree = ObjectTree::build(&[subject.triangles()], &settings, Threads::Single);
         (tree, thread_seconds() - before, start.elapsed().as_secs_f64())

@@ -20,7 +20,7 @@ use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
 use crate::row::median;
 use crate::timing::{Rays, time};
-use crate::{Class, Contestant, Error, Subject};
+use crate::{Class, Contestant, Error, Subject, research};
 
 /// Size of the stadium relative to its contents.
 pub const RATIOS: [f32; 4] = [10.0, 100.0, 1000.0, 10_000.0];
@@ -36,13 +36,8 @@ pub struct Options {
     pub level: Level,
 }
 
-const STRUCTURES: [(&str, Structure); 5] = [
-    ("bih-plain", Structure::PlainBih),
-    ("bih", Structure::Bih),
-    ("b-kd", Structure::BKd),
-    ("kd", Structure::Kd),
-    ("bvh", Structure::Bvh),
-];
+/// Of the feature `research`; a BVH comes last.
+const OTHERS: [&str; 4] = ["bih-plain", "bih", "b-kd", "kd"];
 
 /// A surface of `rows` by `columns` quads, the last column being the first again.
 fn tube(rows: u32, columns: u32, at: impl Fn(f32, f32) -> [f32; 3]) -> Mesh {
@@ -105,7 +100,7 @@ fn stadium(ratio: f32) -> Scene {
 /// Measures stadiums of these ratios.
 ///
 /// # Errors
-/// As [`rays::run`](crate::rays::run).
+/// [`Error::NoResearch`] without the other structures; as [`rays::run`](crate::rays::run).
 pub fn run(
     ratios: &[f32],
     options: &Options,
@@ -124,18 +119,23 @@ fn measure(
     options: &Options,
     report: &mut dyn FnMut(BenchEvent),
 ) -> Result<Vec<DynamicRow>, Error> {
+    let mut structures = OTHERS
+        .into_iter()
+        .map(|name| Ok((name, research::require(name)?)))
+        .collect::<Result<Vec<_>, Error>>()?;
+    structures.push(("bvh", Structure::Bvh));
     let build = |structure| {
         let options = BuildOptions { structure, ..BuildOptions::default() };
         ObjectTree::build(&[subject.triangles()], &options, Threads::Single)
     };
-    let mut trees: Vec<ObjectTree> = STRUCTURES.iter().map(|&(_, structure)| build(structure)).collect();
+    let mut trees: Vec<ObjectTree> = structures.iter().map(|&(_, structure)| build(structure)).collect();
     let mut updates = vec![Vec::new(); trees.len()];
     for _ in 0..options.rounds {
         for (i, tree) in trees.iter_mut().enumerate() {
             let old = tree.clone();
             let before = process_seconds();
             *tree =
-                old.refit(&[subject.triangles()], Threads::Single).unwrap_or_else(|_| build(STRUCTURES[i].1));
+                old.refit(&[subject.triangles()], Threads::Single).unwrap_or_else(|_| build(structures[i].1));
             updates[i].push(process_seconds() - before);
         }
     }
@@ -144,8 +144,8 @@ fn measure(
     let query_kind = QueryKind::Batch(Coherence::Incoherent);
     let contestants: Vec<Contestant> = trees
         .iter()
-        .zip(STRUCTURES)
-        .map(|(tree, (strategy, _))| Contestant {
+        .zip(&structures)
+        .map(|(tree, &(strategy, _))| Contestant {
             engine: "gnurt",
             mode: strategy.into(),
             isa: options.level.name(),
@@ -171,11 +171,11 @@ fn measure(
     }
     let row = |(i, tree): (usize, &ObjectTree)| {
         let stats = tree.stats();
-        let is_refitted = STRUCTURES[i].1 != Structure::Kd;
+        let is_refitted = structures[i].0 != "kd";
         DynamicRow {
             case: "stadium",
             scene: subject.name.clone(),
-            strategy: STRUCTURES[i].0,
+            strategy: structures[i].0,
             engine: "gnurt",
             threads: 1,
             triangles: subject.triangle_count() as u64,

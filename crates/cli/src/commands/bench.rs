@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use gnurt_bench::rays::BenchEvent;
 use gnurt_bench::{
     Class, EmbreeLibrary, Error, Filter, Subject, builds, crowd, dynamic, dynamic_plot, dynamic_row, paper,
-    plot, rays, record, stadium, table, to_json, top,
+    plot, rays, record, research, stadium, table, to_json, top,
 };
 
 use super::bench_files::{check_outputs, write};
@@ -138,7 +138,9 @@ fn measure_motion(
         print(dynamic_row::table(&measured))?;
         rows.extend(measured);
     }
-    if is_requested("stadium") {
+    if cases.is_empty() && !research::IS_COMPILED {
+        messages.note(format_args!("the case stadium needs a program built with --features research"));
+    } else if is_requested("stadium") {
         let options = stadium::Options { rounds: arguments.rounds, size: arguments.size, level };
         let measured = stadium::run(&stadium::RATIOS, &options, &mut quietly(messages)).map_err(failure)?;
         print(dynamic_row::table(&measured))?;
