@@ -15,7 +15,7 @@ use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
 use gnurt_accel_core::nearest::{AnyHit, Closest, Mode};
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::traversal::{RayKind, RayTraversal, TileTraversal};
-use gnurt_simd::{Simd, Token, by_level, kernel, tile_kernel};
+use gnurt_simd::{Level, Simd, Token, by_level, by_level_of_two, kernel, tile_kernel};
 
 use crate::blocks::BlockIndex;
 use crate::boxes::{BoxIndex, EnterMembers, MetBlock};
@@ -30,6 +30,8 @@ use crate::tiles::walk_tile;
 pub struct Kernels {
     token: Token,
     table: &'static Table,
+    token_of_two: Token,
+    others: &'static Others,
 }
 
 type OnRay<I> = fn(Token, &I, &mut RayTraversal);
@@ -47,14 +49,19 @@ struct Table {
     /// `None` where lanes are too narrow for it to pay, as below.
     tile: Option<OnTile<BvhIndex>>,
     incoherent: Option<fn(Token, &BvhIndex, &DirectionClasses, &mut TileTraversal)>,
+    boxes: fn(Token, &BoxIndex, &Ray, f32, EnterRay) -> u32,
+    boxes_tile: Option<OnBoxesTile>,
+}
+
+/// What is compiled for two levels only, AVX2 or NEON and none: eight lanes gain little from AVX-512, and each level
+/// takes seconds to compile.
+struct Others {
     point: OnPoint<BvhIndex>,
     moving: [OnRay<MotionIndex>; 3],
     moving_user: OnRay<MovingUserIndex>,
     moving_user_point: OnPoint<MovingUserIndex>,
     blocks: OnRay<BlockIndex>,
     blocks_point: OnPoint<BlockIndex>,
-    boxes: fn(Token, &BoxIndex, &Ray, f32, EnterRay) -> u32,
-    boxes_tile: Option<OnBoxesTile>,
     boxes_point: fn(Token, &BoxIndex, &[f64; 3], f64, EnterPoint),
 }
 
@@ -69,6 +76,11 @@ impl<S: Simd> For<S> {
         incoherent: tile_kernel!(S, |simd, index, classes, traversal| walk_incoherent(
             simd, index, classes, traversal
         )),
+        boxes: kernel!(S, |simd, index, ray, reach, enter| index.search(simd, ray, reach, enter)),
+        boxes_tile: tile_kernel!(S, |simd, index, class, traversal, enter| index
+            .search_tile(simd, class, traversal, enter)),
+    };
+    const OTHERS: Others = Others {
         point: kernel!(S, |simd, index, probe, slot, nearest| index.nearest(simd, probe, slot, nearest)),
         moving: [moving::<S, Closest>, moving::<S, AnyHit>, moving_each::<S>],
         moving_user: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
@@ -77,9 +89,6 @@ impl<S: Simd> For<S> {
         blocks: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
         blocks_point: kernel!(S, |simd, index, probe, slot, nearest| index
             .nearest(simd, probe, slot, nearest)),
-        boxes: kernel!(S, |simd, index, ray, reach, enter| index.search(simd, ray, reach, enter)),
-        boxes_tile: tile_kernel!(S, |simd, index, class, traversal, enter| index
-            .search_tile(simd, class, traversal, enter)),
         boxes_point: kernel!(S, |simd, index, point, radius, enter| index.near(simd, point, radius, enter)),
     };
 }
@@ -154,8 +163,14 @@ fn moving_each<S: Simd>(token: Token, index: &MotionIndex, traversal: &mut RayTr
 impl Kernels {
     /// Those of a level.
     #[must_use]
-    pub fn of(token: Token) -> Self {
-        Self { token, table: by_level!(token, S => &For::<S>::TABLE) }
+    pub fn of(level: Level) -> Self {
+        let (token, token_of_two) = (level.token(), level.token_of_two());
+        Self {
+            token,
+            table: by_level!(token, S => &For::<S>::TABLE),
+            token_of_two,
+            others: by_level_of_two!(token_of_two, S => &For::<S>::OTHERS),
+        }
     }
 
     /// Whether there are kernels for tiles.
@@ -178,13 +193,13 @@ impl Kernels {
     /// One ray through moving triangles, at its time.
     #[inline]
     pub fn moving(&self, index: &MotionIndex, traversal: &mut RayTraversal) {
-        let [closest, any, each] = self.table.moving;
+        let [closest, any, each] = self.others.moving;
         let kernel = match traversal.kind {
             RayKind::Closest => closest,
             RayKind::Any => any,
             RayKind::Each(_) => each,
         };
-        kernel(self.token, index, traversal);
+        kernel(self.token_of_two, index, traversal);
     }
 
     /// A tile's first rays, all of them active and of one direction class, through triangles. Lanes beyond
@@ -217,12 +232,12 @@ impl Kernels {
 
     /// The nearest point of triangles.
     pub fn point(&self, index: &BvhIndex, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
-        (self.table.point)(self.token, index, probe, slot, nearest);
+        (self.others.point)(self.token_of_two, index, probe, slot, nearest);
     }
 
     /// One ray through moving user geometry, at its time.
     pub fn moving_user(&self, index: &MovingUserIndex, traversal: &mut RayTraversal) {
-        (self.table.moving_user)(self.token, index, traversal);
+        (self.others.moving_user)(self.token_of_two, index, traversal);
     }
 
     /// Its nearest point at time 0.
@@ -233,17 +248,17 @@ impl Kernels {
         slot: u32,
         nearest: &mut dyn NearestPoint,
     ) {
-        (self.table.moving_user_point)(self.token, index, probe, slot, nearest);
+        (self.others.moving_user_point)(self.token_of_two, index, probe, slot, nearest);
     }
 
     /// One ray through primitives that are not triangles.
     pub fn blocks(&self, index: &BlockIndex, traversal: &mut RayTraversal) {
-        (self.table.blocks)(self.token, index, traversal);
+        (self.others.blocks)(self.token_of_two, index, traversal);
     }
 
     /// Their nearest point.
     pub fn blocks_point(&self, index: &BlockIndex, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
-        (self.table.blocks_point)(self.token, index, probe, slot, nearest);
+        (self.others.blocks_point)(self.token_of_two, index, probe, slot, nearest);
     }
 
     /// Calls `enter` with the blocks of boxes that `ray`, which is relative to their origin, meets before `reach`; it
@@ -276,6 +291,6 @@ impl Kernels {
         radius: f64,
         enter: &mut dyn FnMut(usize) -> f64,
     ) {
-        (self.table.boxes_point)(self.token, index, point, radius, enter);
+        (self.others.boxes_point)(self.token_of_two, index, point, radius, enter);
     }
 }

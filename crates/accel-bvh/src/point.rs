@@ -12,6 +12,7 @@ use gnurt_simd::{Simd, StackBuffer, f32x8, prelude::*};
 use crate::index::BvhIndex;
 use crate::node::{Boxes, Child, WIDTH};
 use crate::tree::{DEEPEST, Tree};
+use crate::walk::farthest_first;
 
 /// A point in lanes: least and greatest floats around each coordinate.
 #[derive(Clone, Copy)]
@@ -105,7 +106,7 @@ pub(crate) fn walk_near<'a, S: Simd>(
                 count += 1;
             }
         }
-        waiting.top(count).sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        farthest_first(waiting.top(count), |&(square, _)| square);
     }
 }
 

@@ -4,13 +4,13 @@
 //! Space: object. Invariant: takes and counts the same triangles as `accel_core::valid_triangles`. Tests:
 //! `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
 
+use gnurt_accel_core::threads::map;
 use std::ops::Range;
 
 use gnurt_accel_core::clip::split_boxes;
 use gnurt_accel_core::surfaces::{Mesh, Surfaces};
 use gnurt_accel_core::{Aabb, BadPrimitives, Quality, Threads};
 use gnurt_simd::{Level, Simd, dispatch_two, prefer_huge_pages, prelude::*};
-use rayon::prelude::*;
 
 use crate::build::{Lanes, Middle, Reference};
 use crate::gather::{Eight, are_certain};
@@ -87,7 +87,7 @@ impl<'a> Screen<'a> {
                 check_range(range, &mut piece);
                 piece
             };
-            let pieces: Vec<Piece> = cut.par_iter().map(one).collect();
+            let pieces: Vec<Piece> = map(parallel, cut.len(), |i| one(&cut[i]));
             all.reserve(pieces.iter().map(Piece::count).sum(), is_fast);
             for Piece { good, references, middles, bad } in pieces {
                 let first = all.good.len() as u32;

@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Threads of a build. Invariant: the result is the same for any number of threads.
+//!
+//! Loops over pieces, pairs of jobs and runs on a pool go through one function each that is not generic: what the
+//! library does to share work would be compiled again for each of them, and was a third of what the builders compiled to.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -18,8 +23,76 @@ impl Threads<'_> {
     pub fn run<R: Send>(self, job: impl FnOnce(bool) -> R + Send) -> R {
         match self {
             Self::Single => job(false),
-            Self::Pool(pool) => pool.install(|| job(true)),
+            Self::Pool(pool) => {
+                let (mut job, mut result) = (Some(job), None);
+                on_pool(pool, &mut || result = job.take().map(|job| job(true)));
+                result.expect("the pool ran it")
+            }
         }
+    }
+}
+
+fn on_pool(pool: &rayon::ThreadPool, job: &mut (dyn FnMut() + Send)) {
+    pool.install(job);
+}
+
+/// Runs two jobs, at the same time where there are threads.
+pub fn both<A: Send, B: Send>(
+    parallel: bool,
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if !parallel {
+        return (a(), b());
+    }
+    let (mut a, mut b, mut of_a, mut of_b) = (Some(a), Some(b), None, None);
+    join(&mut || of_a = a.take().map(|a| a()), &mut || of_b = b.take().map(|b| b()));
+    (of_a.expect("the first ran"), of_b.expect("the second ran"))
+}
+
+fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
+    rayon::join(a, b);
+}
+
+/// Runs `job` with each number below `count`; several threads may take part. For jobs of a millisecond or so, not for
+/// single values.
+pub fn for_each(parallel: bool, count: usize, job: &(dyn Fn(usize) + Sync)) {
+    if parallel && count > 1 {
+        (0..count).into_par_iter().for_each(job);
+    } else {
+        (0..count).for_each(job);
+    }
+}
+
+/// The results of such jobs, in order.
+pub fn map<T: Send>(parallel: bool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    if !parallel || count < 2 {
+        return (0..count).map(job).collect();
+    }
+    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    let pieces = Pieces::new(&mut results, 1);
+    for_each(true, count, &|i| pieces.lock(i)[0] = Some(job(i)));
+    results.into_iter().map(|result| result.expect("each job ran")).collect()
+}
+
+/// A slice in pieces, each for one of the jobs above.
+pub struct Pieces<'a, T>(Vec<Mutex<&'a mut [T]>>);
+
+impl<'a, T> Pieces<'a, T> {
+    /// Pieces of `size`; the last may be shorter.
+    pub fn new(all: &'a mut [T], size: usize) -> Self {
+        Self(all.chunks_mut(size).map(Mutex::new).collect())
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// One of them. Each job takes its own, so that none waits.
+    pub fn lock(&self, piece: usize) -> MutexGuard<'_, &'a mut [T]> {
+        self.0[piece].lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

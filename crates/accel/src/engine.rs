@@ -27,7 +27,7 @@ impl Engine {
         let token = level.token();
         Self {
             tiles: TileKernels::of(token),
-            bvh: gnurt_accel_bvh::Kernels::of(token),
+            bvh: gnurt_accel_bvh::Kernels::of(level),
             research: crate::research::Kernels::of(token),
         }
     }

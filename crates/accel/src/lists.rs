@@ -6,14 +6,14 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
+use gnurt_accel_core::threads::map;
 
 use crate::Threads;
 
 /// Questions that a thread takes at a time.
 const SHARE: usize = 128;
 
-/// Answers `questions` one by one into `answers`, which is emptied first; each thread makes itself a `scratch`.
+/// Answers `questions` one by one into `answers`, which is emptied first; each share gets a `scratch`.
 pub(crate) fn answer_each<Q: Sync, A: Send, T>(
     threads: Threads,
     questions: &[Q],
@@ -24,7 +24,7 @@ pub(crate) fn answer_each<Q: Sync, A: Send, T>(
     answer_shares(threads, SHARE, questions, answers, scratch, answer);
 }
 
-/// The same, in shares of at least this size.
+/// The same, in shares of this size.
 fn answer_shares<Q: Sync, A: Send, T>(
     threads: Threads,
     least: usize,
@@ -35,12 +35,17 @@ fn answer_shares<Q: Sync, A: Send, T>(
 ) {
     answers.clear();
     threads.run(|parallel| {
-        if parallel {
-            answers.par_extend(questions.par_iter().with_min_len(least).map_init(scratch, answer));
-        } else {
+        if !parallel {
             let mut scratch = scratch();
             answers.extend(questions.iter().map(|question| answer(&mut scratch, question)));
+            return;
         }
+        let shares: Vec<&[Q]> = questions.chunks(least).collect();
+        let of_share = |i: usize| -> Vec<A> {
+            let mut scratch = scratch();
+            shares[i].iter().map(|question| answer(&mut scratch, question)).collect()
+        };
+        map(true, shares.len(), of_share).into_iter().for_each(|share| answers.extend(share));
     });
 }
 

@@ -5,8 +5,9 @@
 //! double-precision origins, which scenes trace one by one. Tests: `tests/surfaces/slices.rs`.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
-use rayon::prelude::*;
+use gnurt_accel_core::threads::{Pieces, for_each};
 
 use crate::slices::{HitSlices, RaySlices, SliceError, fits};
 use crate::target::Target;
@@ -94,12 +95,17 @@ impl Desk {
 /// Calls `trace` with each part, in the threads that there are.
 fn share<P: Send>(threads: Threads, parts: Vec<P>, trace: impl Fn(&mut Desk, P) + Send + Sync) {
     threads.run(|parallel| {
-        if parallel {
-            parts.into_par_iter().for_each_init(Desk::default, &trace);
-        } else {
-            let mut desk = Desk::default();
-            parts.into_iter().for_each(|part| trace(&mut desk, part));
-        }
+        let desks = Mutex::new(Vec::new());
+        let lock = || desks.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut parts: Vec<Option<P>> = parts.into_iter().map(Some).collect();
+        let parts = Pieces::new(&mut parts, 1);
+        for_each(parallel, parts.count(), &|i| {
+            let part = parts.lock(i)[0].take().expect("each is taken once");
+            let free = lock().pop();
+            let mut desk: Desk = free.unwrap_or_default();
+            trace(&mut desk, part);
+            lock().push(desk);
+        });
     });
 }
 

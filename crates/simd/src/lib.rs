@@ -45,27 +45,31 @@ pub use fearless_simd::{Fallback as __Fallback, Simd as __Base};
 #[macro_export]
 macro_rules! dispatch {
     ($level:expr, $simd:pat => $body:expr) => {
-        $crate::dispatch_wide!($level, $simd => $body, else match $crate::Level::token($level) {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
-            $crate::Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
-            other => unreachable!("no level has the token {other:?}"),
-        })
-    };
-}
-
-/// As [`dispatch!`], but only for levels whose registers are wide enough for sixteen lanes to pay (AVX2,
-/// AVX-512, NEON). On others, and on none, the expression behind `else` is taken: lanes that are arrays take
-/// minutes to compile, and gain nothing. `dispatch_wide!(level, simd => kernel(simd, paths), else
-/// one_by_one(paths))`.
-#[macro_export]
-macro_rules! dispatch_wide {
-    ($level:expr, $simd:pat => $body:expr, else $other:expr) => {
         match $crate::Level::token($level) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::Token::Avx512(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(target_arch = "aarch64")]
+            $crate::Token::Neon(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
+            $crate::Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
+            other => unreachable!("no level has the token {other:?}"),
+        }
+    };
+}
+
+/// As [`dispatch!`], but compiled once: for AVX2 or NEON, whose registers are wide enough for sixteen lanes to pay. On
+/// other CPUs the expression behind `else` is taken: lanes that are arrays take minutes to compile, and gain nothing.
+/// AVX-512 runs the code for AVX2, which is as fast where shading spends its time (decision 0046).
+/// `dispatch_wide!(level, simd => kernel(simd, paths), else one_by_one(paths))`.
+#[macro_export]
+macro_rules! dispatch_wide {
+    ($level:expr, $simd:pat => $body:expr, else $other:expr) => {
+        match $crate::Level::token_of_two($level) {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
             #[cfg(target_arch = "aarch64")]
             $crate::Token::Neon(token) => $crate::__enter!(token, $simd => $body),
             _ => $other,
@@ -120,6 +124,31 @@ macro_rules! by_level {
                 $value
             }
             other => unreachable!("no level has the token {other:?}"),
+        }
+    };
+}
+
+/// As [`by_level!`], by the levels of [`dispatch_two!`]: for kernels that are not the fastest paths of rays through
+/// triangles. `token` is the result of [`Level::token_of_two`].
+#[macro_export]
+macro_rules! by_level_of_two {
+    ($token:expr, $S:ident => $value:expr) => {
+        match $token {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Avx2(_) => {
+                type $S = $crate::__x86::Avx2;
+                $value
+            }
+            #[cfg(target_arch = "aarch64")]
+            $crate::Token::Neon(_) => {
+                type $S = $crate::__arm::Neon;
+                $value
+            }
+            $crate::Token::Fallback(_) => {
+                type $S = $crate::__Fallback;
+                $value
+            }
+            other => unreachable!("no level of two has the token {other:?}"),
         }
     };
 }

@@ -5,15 +5,18 @@
 //! `tests/refit.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::geometry::{Numbering, geometry_of};
+use gnurt_accel_core::threads::{Pieces, map};
 use gnurt_accel_core::{
     Aabb, BadPrimitives, BuildError, Geometry, INVALID_ID, Memory, Quality, RefitError, Threads,
 };
-use rayon::prelude::*;
 
 use super::{BlockKind, Blocked, Shared, lanes};
 use crate::build::build;
 use crate::node::WIDTH;
 use crate::primitives::Primitives;
+
+/// Blocks that a thread fits at a time.
+const PIECE: usize = 1 << 8;
 
 /// The geometries of a tree, among all of an object.
 pub struct Inputs<'a> {
@@ -121,11 +124,10 @@ impl<B: BlockKind> Blocked<B> {
         };
         let Self { tree, blocks, .. } = self;
         let cost = threads.run(|parallel| {
-            let boxes: Result<Vec<Aabb>, RefitError> = match parallel {
-                true => blocks.par_iter_mut().with_min_len(64).map(fit).collect(),
-                false => blocks.iter_mut().map(fit).collect(),
-            };
-            Ok(tree.refit(&boxes?, parallel, &mut Vec::new()))
+            let pieces = Pieces::new(blocks, PIECE);
+            let fit_all = |i| pieces.lock(i).iter_mut().map(fit).collect::<Result<Vec<Aabb>, RefitError>>();
+            let boxes = map(parallel, pieces.count(), fit_all).into_iter().collect::<Result<Vec<_>, _>>()?;
+            Ok(tree.refit(&boxes.concat(), parallel, &mut Vec::new()))
         })?;
         (self.greatest, self.stats.sah_cost) = (self.tree.greatest(), cost);
         Ok(())

@@ -9,13 +9,16 @@
 //! `gnurt-accel`.
 
 use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::threads::map;
 use gnurt_accel_core::{Aabb, Threads};
-use rayon::prelude::*;
 
 use super::BoxIndex;
 use super::build::{FEW, MOST, bounds_at, upper};
 use crate::build::parts::{PartOptions, build_parts};
 use crate::treelet::{BoxesAt, Treelet, growth};
+
+/// Edits that a thread looks at, at a time.
+const PIECE: usize = 1 << 8;
 
 /// A tree that costs this much more than when all of it was built is built again.
 const WORN: f64 = 1.5;
@@ -111,15 +114,10 @@ impl BoxIndex {
                 },
             }
         };
-        let mut orders: Vec<(u32, BoxEdit)> = if parallel {
-            edits
-                .par_iter()
-                .with_min_len(64)
-                .flat_map_iter(|edit| order(edit).into_iter().flatten())
-                .collect()
-        } else {
-            edits.iter().flat_map(|edit| order(edit).into_iter().flatten()).collect()
-        };
+        let of_piece =
+            |edits: &[BoxEdit]| -> Vec<(u32, BoxEdit)> { edits.iter().flat_map(order).flatten().collect() };
+        let pieces: Vec<&[BoxEdit]> = edits.chunks(PIECE).collect();
+        let mut orders = map(parallel, pieces.len(), |i| of_piece(pieces[i])).concat();
         orders.sort_unstable_by_key(|&(number, (member_index, _))| (number, member_index));
         orders
     }
@@ -157,7 +155,7 @@ impl BoxIndex {
         }
         threads.run(|parallel| {
             let make = |dirty: &DirtyTreelet| (dirty.number, self.remade(dirty, boxes_at));
-            if parallel { dirty.par_iter().map(make).collect() } else { dirty.iter().map(make).collect() }
+            map(parallel, dirty.len(), |i| make(&dirty[i]))
         })
     }
 

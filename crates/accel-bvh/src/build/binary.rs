@@ -33,8 +33,8 @@ pub(super) struct Workspace {
 }
 
 /// The input of a careful build, and its threads.
-pub(super) struct Careful<'a, P> {
-    pub(super) primitives: &'a P,
+pub(super) struct Careful<'a> {
+    pub(super) primitives: &'a dyn Primitives,
     pub(super) tasks: TaskPool<'a>,
     /// Overlaps of children below this are good enough.
     least_overlap: f32,
@@ -44,8 +44,13 @@ pub(super) struct Careful<'a, P> {
     clusters: &'a [Cluster],
 }
 
-impl<'a, P: Primitives> Careful<'a, P> {
-    pub(super) fn new(primitives: &'a P, tasks: TaskPool<'a>, root: &Part, by_number: usize) -> Self {
+impl<'a> Careful<'a> {
+    pub(super) fn new(
+        primitives: &'a dyn Primitives,
+        tasks: TaskPool<'a>,
+        root: &Part,
+        by_number: usize,
+    ) -> Self {
         let least_overlap = LEAST_OVERLAP * root.bounds.half_area(tasks.scale);
         Self { primitives, tasks, least_overlap, by_number, clusters: &[] }
     }
@@ -53,7 +58,7 @@ impl<'a, P: Primitives> Careful<'a, P> {
     /// As above, but references are of clusters, which are never split.
     pub(super) fn over(
         clusters: &'a [Cluster],
-        primitives: &'a P,
+        primitives: &'a dyn Primitives,
         tasks: TaskPool<'a>,
         root: &Part,
         by_number: usize,

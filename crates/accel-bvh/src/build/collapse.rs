@@ -4,8 +4,8 @@
 //! number of slots.
 //! Invariant: no node is deeper than [`DEEPEST`], or there is no tree. Tests: `super::tests`.
 
+use gnurt_accel_core::threads::{Pieces, for_each, map};
 use gnurt_simd::prefer_huge_pages;
-use rayon::prelude::*;
 
 use super::binary_node::BinaryNode;
 use super::task_pool::TaskPool;
@@ -63,12 +63,9 @@ pub(super) fn collapse(binary: &[BinaryNode], made: &[Node8], tasks: TaskPool) -
         Some(piece) => Some(piece),
         None => Piece::below(&source, *next),
     };
-    let pieces: Option<Vec<Piece>> = if tasks.parallel {
-        parts.par_iter_mut().map(below).collect()
-    } else {
-        parts.iter_mut().map(below).collect()
-    };
-    let pieces = pieces?;
+    let in_pieces = Pieces::new(&mut parts, 1);
+    let pieces = map(tasks.parallel, in_pieces.count(), |i| below(&mut in_pieces.lock(i)[0]));
+    let pieces = pieces.into_iter().collect::<Option<Vec<Piece>>>()?;
     // Where each piece starts in the whole; roots of pieces get known to their parents.
     let mut starts = vec![[0, 0]];
     for piece in &pieces {
@@ -81,14 +78,11 @@ pub(super) fn collapse(binary: &[BinaryNode], made: &[Node8], tasks: TaskPool) -
         nodes.push(piece.nodes);
         blocks.push(piece.blocks);
     }
-    let moved = |(nodes, &[node, block]): (&mut Vec<Node8>, &[usize; 2])| {
-        nodes.iter_mut().for_each(|one| one.move_children(node, block));
-    };
-    if tasks.parallel {
-        nodes.par_iter_mut().zip(&starts).for_each(moved);
-    } else {
-        nodes.iter_mut().zip(&starts).for_each(moved);
-    }
+    let in_pieces = Pieces::new(&mut nodes, 1);
+    for_each(tasks.parallel, in_pieces.count(), &|i| {
+        let [node, block] = starts[i];
+        in_pieces.lock(i)[0].iter_mut().for_each(|one| one.move_children(node, block));
+    });
     for (piece, (next, _)) in parts.iter().enumerate().skip(1) {
         let (bounds, index) = (binary[next.from].bounds.bounds(), starts[piece][0]);
         nodes[next.parent][0].set(next.lane, &bounds, Child::node(index));

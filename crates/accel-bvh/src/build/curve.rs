@@ -7,9 +7,9 @@
 //! primitives, block by block.
 //! Invariant: each primitive is in one block; threads do not matter. Tests: `tests`.
 
+use gnurt_accel_core::threads::{Pieces, for_each};
 use gnurt_accel_core::{Aabb, INVALID_ID};
 use gnurt_simd::{Simd, dispatch_two, f32x4, prelude::*};
-use rayon::prelude::*;
 
 use super::radix::{BITS, sorted};
 use super::task_pool::TaskPool;
@@ -147,18 +147,18 @@ impl Grid {
     /// Morton codes in the upper half, numbers in the lower one.
     fn entries(&self, tasks: TaskPool, middles: &[Middle]) -> Vec<u64> {
         let mut entries = vec![0; middles.len()];
-        let piece = |(entries, middles): (&mut [u64], &[Middle])| {
+        let piece = |entries: &mut [u64], middles: &[Middle]| {
             dispatch_two!(tasks.level, simd => {
                 for (entries, some) in entries.chunks_mut(WIDTH).zip(middles.chunks(WIDTH)) {
                     entries.copy_from_slice(&self.eight(simd, some)[..some.len()]);
                 }
             });
         };
-        if tasks.parallel {
-            entries.par_chunks_mut(PIECE).zip(middles.par_chunks(PIECE)).for_each(piece);
-        } else {
-            piece((&mut entries, middles));
-        }
+        let pieces = Pieces::new(&mut entries, PIECE);
+        for_each(tasks.parallel, pieces.count(), &|i| {
+            let entries = &mut *pieces.lock(i);
+            piece(entries, &middles[i * PIECE..i * PIECE + entries.len()]);
+        });
         entries
     }
 

@@ -56,7 +56,7 @@ const WORTH_PARTS: f32 = 0.99;
 /// # Errors
 /// That there are too many.
 pub(crate) fn build(
-    primitives: &impl Primitives,
+    primitives: &dyn Primitives,
     quality: Quality,
     threads: Threads,
 ) -> Result<Tree, BuildError> {
@@ -66,7 +66,7 @@ pub(crate) fn build(
 /// The same under control; with references where they are there already, which are counted from here on. The
 /// tree's memory stays counted.
 pub(crate) fn try_build(
-    primitives: &impl Primitives,
+    primitives: &dyn Primitives,
     references: Vec<Reference>,
     quality: Quality,
     threads: Threads,
@@ -76,7 +76,7 @@ pub(crate) fn try_build(
 }
 
 fn build_with(
-    primitives: &impl Primitives,
+    primitives: &dyn Primitives,
     given: Vec<Reference>,
     quality: Quality,
     parallel: bool,
@@ -161,7 +161,7 @@ fn collapsed(nodes: &[BinaryNode], tasks: TaskPool) -> Result<Option<Tree>, Buil
     Ok(tree)
 }
 
-fn build_fast(primitives: &impl Primitives, parallel: bool, watch: &Watch) -> Result<Tree, BuildError> {
+fn build_fast(primitives: &dyn Primitives, parallel: bool, watch: &Watch) -> Result<Tree, BuildError> {
     let count = primitives.count();
     let middle = |number: usize| Middle::of(&primitives.bounds(number), number as u32);
     let mut middles = Vec::new();
@@ -223,7 +223,7 @@ fn within_numbers(blocks: usize) -> Result<(), BuildError> {
     Ok(())
 }
 
-fn all_references(primitives: &impl Primitives, parallel: bool) -> Vec<Reference> {
+fn all_references(primitives: &dyn Primitives, parallel: bool) -> Vec<Reference> {
     let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
     let mut references = Vec::new();
     extend(parallel, &mut references, primitives.count(), number_and_box);

@@ -65,8 +65,8 @@ pub(crate) fn build_parts<T: Send>(
 }
 
 struct Parting<'a, M> {
-    careful: Careful<'a, &'a [Aabb]>,
-    single: Careful<'a, &'a [Aabb]>,
+    careful: Careful<'a>,
+    single: Careful<'a>,
     options: PartOptions,
     make: &'a M,
 }

@@ -5,9 +5,8 @@
 //! Invariant: the order is that of the codes, equal ones in their original order, for any threads. Tests:
 //! `tests`.
 
-use rayon::prelude::*;
-
 use super::task_pool::TaskPool;
+use gnurt_accel_core::threads::{Pieces, for_each, map};
 
 /// Bits of a code.
 pub(super) const BITS: u32 = 30;
@@ -36,12 +35,11 @@ pub(super) fn sorted(tasks: TaskPool, mut entries: Vec<u64>) -> Vec<u64> {
         (scratch, rest_of_scratch) = rest_of_scratch.split_at_mut(size);
         buckets.push((bucket, scratch));
     }
-    let one = |(bucket, scratch): (&mut [u64], &mut [u64])| sort_bucket(bucket, scratch);
-    if tasks.parallel {
-        buckets.into_par_iter().for_each(one);
-    } else {
-        buckets.into_iter().for_each(one);
-    }
+    let pieces = Pieces::new(&mut buckets, 1);
+    for_each(tasks.parallel, pieces.count(), &|i| {
+        let (bucket, scratch) = &mut pieces.lock(i)[0];
+        sort_bucket(bucket, scratch);
+    });
     others
 }
 
@@ -61,10 +59,8 @@ fn distribute(tasks: TaskPool, entries: &[u64], into: &mut [u64]) -> Vec<usize> 
         counts
     };
     let piece = if tasks.parallel { PIECE } else { entries.len() };
-    let counts: Vec<[usize; BUCKETS]> = match tasks.parallel {
-        true => entries.par_chunks(piece).map(count).collect(),
-        false => vec![count(entries)],
-    };
+    let pieces: Vec<&[u64]> = entries.chunks(piece).collect();
+    let counts = map(tasks.parallel, pieces.len(), |i| count(pieces[i]));
     // Each piece has a separate range in each bucket.
     let mut targets: Vec<Vec<&mut [u64]>> = counts.iter().map(|_| Vec::with_capacity(BUCKETS)).collect();
     let mut rest = into;
@@ -75,19 +71,16 @@ fn distribute(tasks: TaskPool, entries: &[u64], into: &mut [u64]) -> Vec<usize> 
             targets.push(position);
         }
     }
-    let fill = |(piece, mut targets): (&[u64], Vec<&mut [u64]>)| {
+    let in_pieces = Pieces::new(&mut targets, 1);
+    for_each(tasks.parallel, pieces.len(), &|i| {
+        let (piece, targets) = (pieces[i], &mut in_pieces.lock(i)[0]);
         let mut filled = [0; BUCKETS];
         for &entry in piece {
             let bucket = bucket(entry);
             targets[bucket][filled[bucket]] = entry;
             filled[bucket] += 1;
         }
-    };
-    if tasks.parallel {
-        entries.par_chunks(piece).zip(targets).for_each(fill);
-    } else {
-        entries.chunks(piece).zip(targets).for_each(fill);
-    }
+    });
     (0..BUCKETS).map(|bucket| counts.iter().map(|counts| counts[bucket]).sum()).collect()
 }
 

@@ -22,8 +22,8 @@ mod cost;
 #[cfg(test)]
 mod tests;
 
+use gnurt_accel_core::threads::map;
 use gnurt_simd::{Simd, dispatch_two, f32x4, f32x8, prelude::*};
-use rayon::prelude::*;
 
 use super::binary_node::BinaryNode;
 use super::reference::Lanes;
@@ -161,11 +161,12 @@ impl<'a> MovableTree<'a> {
         let rank = rank.min(areas.len() - 1);
         let least = *areas.select_nth_unstable_by(rank, f32::total_cmp).1;
         let may_reinsert = |&at: &u32| area(at) >= least && self.may_move(at);
-        if self.tasks.parallel {
-            (0..count).into_par_iter().with_min_len(PIECE).filter(may_reinsert).collect()
-        } else {
-            (0..count).filter(may_reinsert).collect()
-        }
+        let pieces = (count as usize).div_ceil(PIECE);
+        let of_piece = |i: usize| -> Vec<u32> {
+            let start = (i * PIECE) as u32;
+            (start..count.min(start + PIECE as u32)).filter(may_reinsert).collect()
+        };
+        map(self.tasks.parallel, pieces, of_piece).concat()
     }
 
     /// The best move of each node that has a good one, in order.
@@ -178,11 +179,8 @@ impl<'a> MovableTree<'a> {
             }
             moves
         };
-        if self.tasks.parallel {
-            nodes.par_chunks(PIECE).flat_map_iter(piece).collect()
-        } else {
-            nodes.chunks(PIECE).flat_map(piece).collect()
-        }
+        let pieces: Vec<&[u32]> = nodes.chunks(PIECE).collect();
+        map(self.tasks.parallel, pieces.len(), |i| piece(pieces[i])).concat()
     }
 
     #[inline(always)]

@@ -152,7 +152,7 @@ impl Plane {
 /// Sorts `references` by `plane`: the left ones stay in front, others go to the end of `right`; those on both
 /// sides are cut. Returns the number of left ones.
 pub(super) fn cut(
-    primitives: &impl Primitives,
+    primitives: &dyn Primitives,
     references: &mut [Reference],
     plane: &Plane,
     right: &mut Vec<Reference>,
@@ -176,7 +176,7 @@ pub(super) fn cut(
 
 /// The parts on either side of a plane; a reference that cannot be cut goes to the side of its centre.
 fn parts(
-    primitives: &impl Primitives,
+    primitives: &dyn Primitives,
     reference: &Reference,
     plane: &Plane,
 ) -> (Option<Reference>, Option<Reference>) {

@@ -5,6 +5,7 @@
 //! the same tree.
 //! Tests: `super::tests`.
 
+use gnurt_accel_core::threads::{Pieces, both, map};
 use gnurt_simd::{Level, dispatch_two};
 use rayon::prelude::*;
 
@@ -50,7 +51,7 @@ impl TaskPool<'_> {
         a: impl FnOnce() -> A + Send,
         b: impl FnOnce() -> B + Send,
     ) -> (A, B) {
-        if self.parallel { rayon::join(a, b) } else { (a(), b()) }
+        both(self.parallel, a, b)
     }
 
     /// Appends `count` values to `all`.
@@ -215,7 +216,7 @@ impl TaskPool<'_> {
     /// number of left ones.
     pub(super) fn cut(
         self,
-        primitives: &impl Primitives,
+        primitives: &dyn Primitives,
         references: &mut [Reference],
         plane: &Plane,
         right: &mut Vec<Reference>,
@@ -224,12 +225,13 @@ impl TaskPool<'_> {
         if !self.parallel || references.len() <= PIECE {
             return cut(primitives, references, plane, right);
         }
-        let one = |piece: &mut [Reference]| {
+        let pieces = Pieces::new(references, PIECE);
+        let one = |i| {
             let mut right = Vec::new();
-            (cut(primitives, piece, plane, &mut right), right)
+            (cut(primitives, &mut pieces.lock(i), plane, &mut right), right)
         };
         let (lefts, rights): (Vec<usize>, Vec<Vec<Reference>>) =
-            references.par_chunks_mut(PIECE).map(one).unzip();
+            map(true, pieces.count(), one).into_iter().unzip();
         let mut left = 0;
         for (piece, count) in lefts.into_iter().enumerate() {
             let start = piece * PIECE;

@@ -6,6 +6,7 @@
 //! a build.
 //! Tests: `tests/poses.rs` of `gnurt-accel`.
 
+use gnurt_accel_core::threads::{Pieces, map};
 use std::sync::Arc;
 
 use gnurt_accel_core::surfaces::Surfaces;
@@ -147,10 +148,12 @@ fn boxes_of_blocks(
         let good = doubtful.iter().all(|&at: &usize| blocks[at].numbers.iter().all(is_good));
         if good { Ok(()) } else { Err(RefitError::OtherPrimitives) }
     };
-    match parallel && blocks.len() > PIECE {
-        true => blocks.par_chunks(PIECE).zip(boxes.par_chunks_mut(PIECE)).try_for_each(piece)?,
-        false => piece((blocks, &mut boxes))?,
-    }
+    let in_pieces = Pieces::new(&mut boxes, PIECE);
+    let fitted = map(parallel, in_pieces.count(), |i| {
+        let boxes = &mut *in_pieces.lock(i);
+        piece((&blocks[i * PIECE..i * PIECE + boxes.len()], boxes))
+    });
+    fitted.into_iter().collect::<Result<(), _>>()?;
     Ok(boxes)
 }
 

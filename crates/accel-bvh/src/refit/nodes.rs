@@ -4,6 +4,7 @@
 //! Invariant: nodes are in depth-first order, so that a subtree is one range of them. Tests: `tests`.
 
 use gnurt_accel_core::float::{least, most};
+use gnurt_accel_core::threads::both;
 use gnurt_accel_core::{Aabb, Memory};
 
 use crate::compact::Children;
@@ -119,7 +120,7 @@ fn side_by_side<T: Send>(all: &mut [T], each: &(impl Fn(&mut T) + Sync)) {
         [one] => each(one),
         _ => {
             let (left, right) = all.split_at_mut(all.len() / 2);
-            rayon::join(|| side_by_side(left, each), || side_by_side(right, each));
+            both(true, || side_by_side(left, each), || side_by_side(right, each));
         }
     }
 }

@@ -8,9 +8,9 @@
 
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::surfaces::{Mesh, Surfaces};
+use gnurt_accel_core::threads::{Pieces, map};
 use gnurt_accel_core::{Aabb, BadPrimitives, INVALID_ID, RefitError, Threads};
 use gnurt_simd::{Level, Simd, dispatch_two};
-use rayon::prelude::*;
 
 use crate::gather::{Eight, are_certain, store};
 use crate::index::BvhIndex;
@@ -106,14 +106,8 @@ impl BvhIndex {
         };
         let boxes = &mut moving.boxes;
         let doubtful: Vec<usize> = threads.run(|parallel| {
-            if parallel {
-                let pieces = blocks.par_chunks_mut(PIECE).zip(boxes.par_chunks_mut(PIECE));
-                let lists: Vec<Vec<usize>> = pieces.enumerate().map(piece).collect();
-                lists.concat()
-            } else {
-                let pieces = blocks.chunks_mut(PIECE).zip(boxes.chunks_mut(PIECE));
-                pieces.enumerate().flat_map(piece).collect()
-            }
+            let (blocks, boxes) = (Pieces::new(blocks, PIECE), Pieces::new(boxes, PIECE));
+            map(parallel, blocks.count(), |i| piece((i, (&mut blocks.lock(i), &mut boxes.lock(i))))).concat()
         });
         // Counted below, once for all blocks that one is in.
         let mut uncounted = BadPrimitives::default();

@@ -4,10 +4,10 @@
 
 use gnurt_accel_core::exact::Line;
 use gnurt_accel_core::{INVALID_ID, Threads};
-use rayon::prelude::*;
 
 use super::lines::{Candidate, search};
 use super::scene::DoubleScene;
+use crate::lists::answer_each;
 
 /// `org + t * dir` for `t` in `[t_near, t_far]`. A ray with a number that is not finite (but the far end), without a
 /// direction or with an empty interval hits nothing; `t_near` below 0 counts as 0.
@@ -196,11 +196,7 @@ pub(super) fn each<A: Sync, B: Send>(
     threads: Threads,
     answer: impl Fn(&A) -> B + Sync + Send,
 ) -> Vec<B> {
-    threads.run(|parallel| {
-        if parallel {
-            all.par_iter().with_min_len(256).map(answer).collect()
-        } else {
-            all.iter().map(answer).collect()
-        }
-    })
+    let mut answers = Vec::new();
+    answer_each(threads, all, &mut answers, || (), |(), question| answer(question));
+    answers
 }
