@@ -45,31 +45,27 @@ pub use fearless_simd::{Fallback as __Fallback, Simd as __Base};
 #[macro_export]
 macro_rules! dispatch {
     ($level:expr, $simd:pat => $body:expr) => {
+        $crate::dispatch_wide!($level, $simd => $body, else match $crate::Level::token($level) {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
+            $crate::Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
+            other => unreachable!("no level has the token {other:?}"),
+        })
+    };
+}
+
+/// As [`dispatch!`], but only for levels whose registers are wide enough for sixteen lanes to pay (AVX2,
+/// AVX-512, NEON). On others, and on none, the expression behind `else` is taken: lanes that are arrays take
+/// minutes to compile, and gain nothing. `dispatch_wide!(level, simd => kernel(simd, paths), else
+/// one_by_one(paths))`.
+#[macro_export]
+macro_rules! dispatch_wide {
+    ($level:expr, $simd:pat => $body:expr, else $other:expr) => {
         match $crate::Level::token($level) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::Token::Avx512(token) => $crate::__enter!(token, $simd => $body),
-            #[cfg(target_arch = "aarch64")]
-            $crate::Token::Neon(token) => $crate::__enter!(token, $simd => $body),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
-            $crate::Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
-            other => unreachable!("no level has the token {other:?}"),
-        }
-    };
-}
-
-/// As [`dispatch!`], but compiled once: for AVX2 or NEON, whose registers are wide enough for sixteen lanes to pay. On
-/// other CPUs the expression behind `else` is taken: lanes that are arrays take minutes to compile, and gain nothing.
-/// AVX-512 runs the code for AVX2, which is as fast where shading spends its time (decision 0046).
-/// `dispatch_wide!(level, simd => kernel(simd, paths), else one_by_one(paths))`.
-#[macro_export]
-macro_rules! dispatch_wide {
-    ($level:expr, $simd:pat => $body:expr, else $other:expr) => {
-        match $crate::Level::token_of_two($level) {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
             #[cfg(target_arch = "aarch64")]
             $crate::Token::Neon(token) => $crate::__enter!(token, $simd => $body),
             _ => $other,
