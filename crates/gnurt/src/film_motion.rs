@@ -88,7 +88,9 @@ impl FramePose {
     /// The mesh here and there, if it differs.
     fn bent<'a>(&'a self, other: &'a Self, id: MeshId) -> Option<[&'a Mesh; 2]> {
         let (here, there) = (self.meshes.get(id.index())?, other.meshes.get(id.index())?);
-        let is_same_shape = here.positions.len() == there.positions.len() && here.indices == there.indices;
+        let is_same_shape = here.positions.len() == there.positions.len()
+            && here.indices == there.indices
+            && here.has_triangles();
         let moves = !Arc::ptr_eq(here, there) && is_same_shape && here.positions != there.positions;
         moves.then_some([here, there])
     }

@@ -34,7 +34,7 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
         hash.floats(mesh.tangents.as_flattened());
         hash.floats(mesh.colors.as_flattened());
         mesh.indices.as_flattened().iter().for_each(|&i| hash.mix_number(u64::from(i)));
-        hash.debug(&mesh.attributes);
+        hash.debug(&(&mesh.primitives, &mesh.attributes));
     }
     for medium in scene.media() {
         hash.debug(&gnurt_scene::Medium { grid: None, name: String::new(), ..medium.clone() });

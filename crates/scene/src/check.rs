@@ -35,9 +35,10 @@ impl Mesh {
                 "triangle {bad} has corners {triangle:?}, but there are {vertices} vertices"
             ));
         }
+        self.check_primitives()?;
         for attribute in &self.attributes {
             let values = match attribute.rate {
-                Rate::Triangle => self.indices.len(),
+                Rate::Triangle => self.primitive_count(),
                 Rate::Vertex => vertices,
             };
             let (name, components, floats) =

@@ -4,8 +4,9 @@
 //! Space: object. Invariant: after `Scene::check` every index is below `positions.len()` and optional arrays are empty or full.
 
 use crate::id::MaterialId;
+use crate::primitives::Primitives;
 
-/// Indexed triangles with one material.
+/// Indexed triangles, curves or spheres with one material.
 ///
 /// The geometric normal of a triangle is `(p1 - p0) x (p2 - p0)`: counter-clockwise vertices, right-hand rule.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,6 +27,8 @@ pub struct Mesh {
     pub colors: Vec<[f32; 4]>,
     /// Vertices of each triangle.
     pub indices: Vec<[u32; 3]>,
+    /// Curves or spheres over the vertices, in place of triangles.
+    pub primitives: Primitives,
     /// Its material.
     pub material: MaterialId,
     /// Further values that shaders request by name.
@@ -57,7 +60,7 @@ pub struct Attribute {
 /// How often a value changes over a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
-    /// One value per triangle.
+    /// One value per triangle, segment of a curve or sphere.
     Triangle,
     /// One value per vertex, interpolated barycentrically.
     Vertex,
@@ -88,6 +91,7 @@ impl Mesh {
             + size_of_val(&self.tangents[..])
             + size_of_val(&self.colors[..])
             + size_of_val(&self.indices[..])
+            + self.primitives.memory_bytes()
             + self.attributes.iter().map(|a| size_of_val(&a.data[..])).sum::<usize>()
     }
 }

@@ -18,6 +18,9 @@ pub fn has_area([a, b, c]: [[f32; 3]; 3]) -> bool {
 impl Mesh {
     /// Removes the vertices that no triangle uses, and keeps the order of the others.
     pub fn drop_unused_vertices(&mut self) {
+        if !self.has_triangles() {
+            return;
+        }
         let count = self.positions.len();
         // A vertex for each corner of each triangle is a common case with a quick test.
         let are_own = |(i, triangle): (usize, &[u32; 3])| *triangle == [0, 1, 2].map(|k| 3 * i as u32 + k);

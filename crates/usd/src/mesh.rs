@@ -220,7 +220,7 @@ impl Builder<'_> {
     /// Adds a mesh unless nothing of it is left to be seen.
     pub(crate) fn add_mesh(&mut self, mut mesh: Mesh) -> Option<MeshId> {
         clean(&mut mesh, &self.reader.path, &mut self.reader.warnings());
-        (!mesh.indices.is_empty()).then(|| self.scene.add_mesh(mesh))
+        (mesh.primitive_count() > 0).then(|| self.scene.add_mesh(mesh))
     }
 
     /// The control mesh of a subdivision surface; `None` of polygons.

@@ -1,53 +1,101 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Curves as tubes and points as balls.
-//! Source: UsdGeomBasisCurves, UsdGeomPoints. Tubes have [`SIDES`] sides and, where a curve is cubic, [`STEPS`] steps a span; their ends
-//! are open. Space: that of the prim; widths are diameters. Tests: `tests/strands.rs`.
+//! Curves and points.
+//! Source: UsdGeomBasisCurves, UsdGeomPoints. Curves with normals are ribbons across them, others are tubes; points are spheres.
+//! Pinned and periodic curves get the vertices that their ends need. Space: that of the prim; widths are diameters.
+//! Tests: `tests/strands.rs`.
 
 use gnurt_scene::io::Oddity;
-use gnurt_scene::{Affine, Member, Mesh, ObjectId};
+use gnurt_scene::{CurveBasis, CurveForm, Curves, Mesh, ObjectId, Primitives};
 use openusd::sdf::Path;
 
 use crate::builder::Builder;
-use crate::shapes;
 use crate::value;
 
-/// Sides of a tube.
-const SIDES: u32 = 8;
-/// Steps of a cubic span.
-const STEPS: usize = 8;
-
-type Point = [f64; 3];
-
-/// How control points become a curve.
-#[derive(Clone, Copy, PartialEq)]
-enum Basis {
-    Linear,
-    Bezier,
-    Bspline,
-    CatmullRom,
+/// One curve of a prim: where its values begin in the arrays, and how its vertices follow.
+struct Strand {
+    /// Its number in the prim.
+    curve: usize,
+    /// Its first point, and how many it has.
+    first: usize,
+    count: usize,
+    /// Where values that vary along it begin, and how many there are.
+    first_knot: usize,
+    knots: usize,
+    /// The points that its vertices are, from `-1` to `count`; beyond both ends points go on as they came.
+    vertices: Vec<i64>,
+    basis: CurveBasis,
+    is_periodic: bool,
 }
 
-impl Basis {
-    /// Weights of four control points.
-    fn weights(self, t: f64) -> [f64; 4] {
-        let (s, t2, t3) = (1.0 - t, t * t, t * t * t);
-        match self {
-            Self::Linear => [s, t, 0.0, 0.0],
-            Self::Bezier => [s * s * s, 3.0 * s * s * t, 3.0 * s * t2, t3],
-            Self::Bspline => [
-                s * s * s / 6.0,
-                (3.0 * t3 - 6.0 * t2 + 4.0) / 6.0,
-                (-3.0 * t3 + 3.0 * t2 + 3.0 * t + 1.0) / 6.0,
-                t3 / 6.0,
-            ],
-            Self::CatmullRom => [
-                (-t3 + 2.0 * t2 - t) / 2.0,
-                (3.0 * t3 - 5.0 * t2 + 2.0) / 2.0,
-                (-3.0 * t3 + 4.0 * t2 + t) / 2.0,
-                (t3 - t2) / 2.0,
-            ],
-        }
+/// How many values arrays of each interpolation have.
+struct Counts {
+    points: usize,
+    curves: usize,
+    knots: usize,
+}
+
+impl Strand {
+    /// The values of an array at its vertices. `None` if the array has another length than any interpolation.
+    fn spread<const N: usize>(&self, values: &[[f32; N]], of: &Counts) -> Option<Vec<[f32; N]>> {
+        let mixed = |a: [f32; N], b: [f32; N], t: f32| std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t);
+        let at_point = |&i: &i64| {
+            let own = &values[self.first..self.first + self.count];
+            let last = own.len() - 1;
+            match usize::try_from(i) {
+                _ if self.is_periodic => own[i.rem_euclid(self.count as i64) as usize],
+                Ok(i) if i <= last => own[i],
+                Ok(_) => mixed(own[last], own[last.saturating_sub(1)], -1.0),
+                Err(_) => mixed(own[0], own[1.min(last)], -1.0),
+            }
+        };
+        let at_knot = |position: usize| {
+            let own = &values[self.first_knot..self.first_knot + self.knots];
+            let at = match self.basis {
+                CurveBasis::Linear => position as f32,
+                CurveBasis::Bezier => position as f32 / 3.0,
+                _ => position as f32 - 1.0,
+            };
+            let wrapped = |i: usize| own[if self.is_periodic { i % self.knots } else { i.min(self.knots - 1) }];
+            let low = at.max(0.0).floor();
+            mixed(wrapped(low as usize), wrapped(low as usize + 1), (at - low).max(0.0))
+        };
+        Some(match values.len() {
+            0 => return None,
+            n if n == of.points => self.vertices.iter().map(at_point).collect(),
+            1 => vec![values[0]; self.vertices.len()],
+            n if n == of.curves => vec![values[self.curve]; self.vertices.len()],
+            n if n == of.knots => (0..self.vertices.len()).map(at_knot).collect(),
+            _ => return None,
+        })
     }
+}
+
+/// The points that vertices of a curve are.
+fn vertices(count: usize, basis: CurveBasis, wrap: &str) -> Vec<i64> {
+    let n = count as i64;
+    match (basis, wrap) {
+        (CurveBasis::Linear, "periodic") if n > 1 => (0..=n).collect(),
+        (CurveBasis::Linear, _) => (0..n).collect(),
+        (CurveBasis::Bezier, "periodic") => (0..n / 3 * 3 + i64::from(n >= 3)).collect(),
+        (CurveBasis::Bezier, _) => (0..n).collect(),
+        (_, "periodic") if n > 1 => (0..n + 3).collect(),
+        (_, "pinned") if n > 1 => (-1..=n).collect(),
+        _ => (0..n).collect(),
+    }
+}
+
+/// Values that vary along a curve.
+fn knots(count: usize, basis: CurveBasis, wrap: &str) -> usize {
+    let spans = match (basis, wrap) {
+        (CurveBasis::Linear, "periodic") => return count,
+        (CurveBasis::Linear, _) => count.saturating_sub(1),
+        (CurveBasis::Bezier, "periodic") => return count / 3,
+        (CurveBasis::Bezier, _) => count.saturating_sub(1) / 3,
+        (_, "periodic") => return count,
+        (_, "pinned") => count.saturating_sub(1),
+        _ => count.saturating_sub(3),
+    };
+    spans + 1
 }
 
 impl Builder<'_> {
@@ -56,214 +104,129 @@ impl Builder<'_> {
         let reader = self.reader;
         let points = reader.value(prim, "points").as_ref().and_then(value::vectors::<3>)?;
         let widths = reader.value(prim, "widths").as_ref().and_then(value::floats).map(|(_, widths)| widths);
-        let color = reader.value(prim, "primvars:displayColor").as_ref().and_then(value::vectors::<3>);
-        let color = color.filter(|colors| !colors.is_empty());
-        if color.as_ref().is_some_and(|colors| colors.len() > 1) {
-            reader.unsupported(
-                prim,
-                "displayColor that changes along curves or points, the first one is shown",
-            );
-        }
+        let colors = reader.value(prim, "primvars:displayColor").as_ref().and_then(value::vectors::<3>);
+        let colors = colors.filter(|colors| !colors.is_empty());
         let material = match self.bound(prim) {
             Some(material) => self.materials.of(reader, &mut self.scene, &material),
-            None => self.materials.unbound(&mut self.scene, color.is_some(), false),
+            None => self.materials.unbound(&mut self.scene, colors.is_some(), false),
         };
         let Some(widths) = widths.filter(|widths| !widths.is_empty()) else {
             reader.unsupported(prim, format_args!("{kind} without widths"));
             return None;
         };
-        let finish = |builder: &mut Self, mut mesh: Mesh| {
-            if let (true, Some(color)) = (material.has_colors, &color) {
-                let [r, g, b] = color[0];
-                mesh.colors = vec![[r, g, b, 1.0]; mesh.positions.len()];
-            }
-            mesh.material = material.id;
-            mesh.name = prim.name().unwrap_or_default().to_owned();
-            let mesh = builder.add_mesh(mesh)?;
-            Some(builder.scene.add_object_of(prim.as_str(), vec![mesh]))
+        let colors = colors.filter(|_| material.has_colors);
+        let mut mesh = match kind {
+            "Points" => self.spheres(prim, &points, &widths, colors.as_deref())?,
+            _ => self.curves(prim, &points, &widths, colors.as_deref())?,
         };
-        if kind == "Points" {
-            let mut ball = shapes::ball(0.5, [12, 6]);
-            ball.normals = ball.positions.iter().map(|p| p.map(|x| 2.0 * x)).collect();
-            reader.files.access.budget.hold(points.len().saturating_mul(160)).ok()?;
-            let ball = finish(self, ball)?;
-            let width =
-                |i: usize| f64::from(if widths.len() == points.len() { widths[i] } else { widths[0] });
-            let member = |(i, point): (usize, &[f32; 3])| {
-                Member::new(ball, Affine::translation(point.map(f64::from)) * Affine::scale([width(i); 3]))
-            };
-            let members: Vec<Member> = points.iter().enumerate().map(member).collect();
-            let members: Vec<Member> =
-                members.into_iter().filter(|member| member.object_from_member.inverse().is_some()).collect();
-            return (!members.is_empty()).then(|| self.scene.add_object_of_members(prim.as_str(), members));
+        if mesh.primitive_count() == 0 {
+            return None;
         }
-        let mesh = self.tubes(prim, &points, &widths)?;
-        finish(self, mesh)
+        mesh.material = material.id;
+        mesh.name = prim.name().unwrap_or_default().to_owned();
+        let mesh = self.add_mesh(mesh)?;
+        Some(self.scene.add_object_of(prim.as_str(), vec![mesh]))
     }
 
-    fn tubes(&self, prim: &Path, points: &[[f32; 3]], widths: &[f32]) -> Option<Mesh> {
+    fn spheres(
+        &self,
+        prim: &Path,
+        points: &[[f32; 3]],
+        widths: &[f32],
+        colors: Option<&[[f32; 3]]>,
+    ) -> Option<Mesh> {
+        let reader = self.reader;
+        if let Err(excess) = reader.files.access.budget.hold(points.len().saturating_mul(32)) {
+            reader.note(Oddity::BadMesh, prim, excess);
+            return None;
+        }
+        let width = |i: usize| if widths.len() == points.len() { widths[i] } else { widths[0] };
+        let radii = (0..points.len()).map(|i| 0.5 * width(i).max(0.0)).collect();
+        let color = |colors: &[[f32; 3]], i: usize| {
+            let [r, g, b] = if colors.len() == points.len() { colors[i] } else { colors[0] };
+            [r, g, b, 1.0]
+        };
+        let colors = colors.map(|colors| (0..points.len()).map(|i| color(colors, i)).collect());
+        Some(Mesh {
+            positions: points.to_vec(),
+            colors: colors.unwrap_or_default(),
+            primitives: Primitives::Spheres(radii),
+            ..Mesh::default()
+        })
+    }
+
+    fn curves(
+        &self,
+        prim: &Path,
+        points: &[[f32; 3]],
+        widths: &[f32],
+        colors: Option<&[[f32; 3]]>,
+    ) -> Option<Mesh> {
         let reader = self.reader;
         let counts = reader.value(prim, "curveVertexCounts").as_ref().and_then(value::integers)?;
         let basis = match (reader.word(prim, "type").as_deref(), reader.word(prim, "basis").as_deref()) {
-            (Some("linear"), _) => Basis::Linear,
-            (_, Some("bspline")) => Basis::Bspline,
-            (_, Some("catmullRom")) => Basis::CatmullRom,
-            _ => Basis::Bezier,
+            (Some("linear"), _) => CurveBasis::Linear,
+            (_, Some("bspline")) => CurveBasis::BSpline,
+            (_, Some("catmullRom")) => CurveBasis::CatmullRom,
+            _ => CurveBasis::Bezier,
         };
         let wrap = reader.word(prim, "wrap").unwrap_or_default();
         let all: i64 = counts.iter().map(|&count| i64::from(count).max(0)).sum();
         if all != points.len() as i64 {
-            reader.note(
-                Oddity::BadMesh,
-                prim,
-                format_args!("curves of {all} points, but there are {}", points.len()),
-            );
+            let fault = format_args!("curves of {all} points, but there are {}", points.len());
+            reader.note(Oddity::BadMesh, prim, fault);
             return None;
         }
-        if reader.value(prim, "normals").is_some() {
-            reader.unsupported(prim, "curves with normals (ribbons), shown as tubes");
-        }
-        let steps = if basis == Basis::Linear { 1 } else { STEPS };
-        let cost = points.len().saturating_mul(steps * SIDES as usize * 48);
+        let cost = (points.len() + 3 * counts.len()).saturating_mul(80);
         if let Err(excess) = reader.files.access.budget.hold(cost) {
             reader.note(Oddity::BadMesh, prim, excess);
             return None;
         }
-        let mut mesh = Mesh::default();
-        let (mut begin, mut width_at) = (0, 0);
+        let (mut strands, mut first, mut first_knot) = (Vec::with_capacity(counts.len()), 0, 0);
         for (curve, count) in counts.iter().map(|&count| count.max(0) as usize).enumerate() {
-            let own = &points[begin..begin + count];
-            let knots = knots(own.len(), basis, &wrap);
-            let spans = spans(count, basis, &wrap);
-            let path: Vec<Point> = line(own, &spans, basis, steps);
-            // Widths per point, per end of a span, per curve, or one.
-            let ends = knots;
-            let share = |t: f64, of: &[f32]| {
-                let at = t * (of.len() - 1) as f64;
-                let low = (at.floor() as usize).min(of.len() - 1);
-                let high = (low + 1).min(of.len() - 1);
-                f64::from(of[low]) + (f64::from(of[high]) - f64::from(of[low])) * (at - low as f64)
-            };
-            let of_curve: &[f32] = match widths.len() {
-                n if n == points.len() => &widths[begin..begin + count],
-                n if n == counts.len() => &widths[curve..=curve],
-                n if n > 1 && width_at + ends <= n => &widths[width_at..width_at + ends],
-                _ => &widths[..1],
-            };
-            width_at += ends;
-            begin += count;
-            if path.len() < 2 || of_curve.is_empty() {
-                continue;
-            }
-            let last = (path.len() - 1) as f64;
-            let radii: Vec<f64> = (0..path.len()).map(|i| share(i as f64 / last, of_curve) / 2.0).collect();
-            sweep(&mut mesh, &path, &radii);
+            let knots = knots(count, basis, &wrap);
+            let (vertices, is_periodic) = (vertices(count, basis, &wrap), wrap == "periodic");
+            let strand = Strand { curve, first, count, first_knot, knots, vertices, basis, is_periodic };
+            (first, first_knot) = (first + count, first_knot + knots);
+            strands.push(strand);
         }
+        strands.retain(|strand| strand.count > 0);
+        let counts = Counts { points: points.len(), curves: counts.len(), knots: first_knot };
+        let normals = reader.value(prim, "normals").as_ref().and_then(value::vectors::<3>);
+        let normals = normals.filter(|normals| !normals.is_empty());
+        let form = if normals.is_some() { CurveForm::Oriented } else { CurveForm::Round };
+        let lengths = strands.iter().map(|strand| strand.vertices.len());
+        let mut curves = Curves::of_strands(basis, form, lengths);
+        let widths: Vec<[f32; 1]> = widths.iter().map(|&width| [width]).collect();
+        let mut mesh = Mesh::default();
+        let unfit = |what: &str, count: usize| {
+            reader.note(Oddity::BadMesh, prim, format_args!("{count} {what}, which fit no interpolation"));
+        };
+        for strand in &strands {
+            mesh.positions.extend(strand.spread(points, &counts)?);
+            let Some(radii) = strand.spread(&widths, &counts) else {
+                unfit("widths", widths.len());
+                return None;
+            };
+            curves.radii.extend(radii.iter().map(|[width]| 0.5 * width.max(0.0)));
+            if let Some(normals) = &normals {
+                let Some(spread) = strand.spread(normals, &counts) else {
+                    unfit("normals", normals.len());
+                    return None;
+                };
+                mesh.normals.extend(spread);
+            }
+            if let Some(spread) = colors.and_then(|colors| strand.spread(colors, &counts)) {
+                mesh.colors.extend(spread.iter().map(|&[r, g, b]| [r.max(0.0), g.max(0.0), b.max(0.0), 1.0]));
+            }
+        }
+        if mesh.colors.len() != mesh.positions.len() {
+            if let Some(colors) = colors {
+                unfit("colours", colors.len());
+            }
+            mesh.colors.clear();
+        }
+        mesh.primitives = Primitives::Curves(curves);
         Some(mesh)
     }
-}
-
-/// Values that vary along a curve.
-fn knots(count: usize, basis: Basis, wrap: &str) -> usize {
-    let spans = spans(count, basis, wrap).len();
-    if wrap == "periodic" { spans } else { spans + 1 }
-}
-
-/// The control points of each span.
-fn spans(count: usize, basis: Basis, wrap: &str) -> Vec<[i64; 4]> {
-    let n = count as i64;
-    let is_periodic = wrap == "periodic";
-    let spans = match basis {
-        Basis::Linear => {
-            if is_periodic {
-                n
-            } else {
-                n - 1
-            }
-        }
-        Basis::Bezier => {
-            if is_periodic {
-                n / 3
-            } else {
-                (n - 1) / 3
-            }
-        }
-        _ if is_periodic => n,
-        _ if wrap == "pinned" => n - 1,
-        _ => n - 3,
-    };
-    let step = if basis == Basis::Bezier { 3 } else { 1 };
-    let first = if wrap == "pinned" && matches!(basis, Basis::Bspline | Basis::CatmullRom) { -1 } else { 0 };
-    (0..spans.max(0)).map(|span| [0, 1, 2, 3].map(|k| first + span * step + k)).collect()
-}
-
-/// Places along a curve.
-fn line(points: &[[f32; 3]], spans: &[[i64; 4]], basis: Basis, steps: usize) -> Vec<Point> {
-    let n = points.len() as i64;
-    // Beyond pinned ends points go on as they came; periodic curves begin again.
-    let is_pinned = spans.first().is_some_and(|span| span[0] < 0);
-    let point = |i: i64| -> Point {
-        let at = |i: i64| points[i.rem_euclid(n) as usize].map(f64::from);
-        let beyond = |a: Point, b: Point| std::array::from_fn(|k| 2.0 * a[k] - b[k]);
-        match i {
-            _ if !is_pinned || n < 2 => at(i),
-            i if i < 0 => beyond(at(0), at(1)),
-            i if i >= n => beyond(at(n - 1), at(n - 2)),
-            i => at(i),
-        }
-    };
-    let mut path = Vec::with_capacity(spans.len() * steps + 1);
-    for (number, span) in spans.iter().enumerate() {
-        let controls = span.map(point);
-        let last = usize::from(number + 1 == spans.len());
-        for step in 0..steps + last {
-            let weights = basis.weights(step as f64 / steps as f64);
-            path.push(std::array::from_fn(|k| (0..4).map(|i| weights[i] * controls[i][k]).sum()));
-        }
-    }
-    path
-}
-
-/// A tube along a path, whose sides do not turn around it.
-fn sweep(mesh: &mut Mesh, path: &[Point], radii: &[f64]) {
-    let begin = mesh.positions.len() as u32;
-    let mut side: Point = [0.0; 3];
-    let mut forward = [0.0, 0.0, 1.0];
-    for (i, (centre, radius)) in path.iter().zip(radii).enumerate() {
-        let (before, after) = (path[i.saturating_sub(1)], path[(i + 1).min(path.len() - 1)]);
-        let along: Point = std::array::from_fn(|k| after[k] - before[k]);
-        forward = unit(along).unwrap_or(forward);
-        let dot: f64 = (0..3).map(|k| side[k] * forward[k]).sum();
-        let across: Point = std::array::from_fn(|k| side[k] - dot * forward[k]);
-        side = unit(across).unwrap_or_else(|| {
-            let least =
-                (0..3).fold(0, |best, k| if forward[k].abs() < forward[best].abs() { k } else { best });
-            let mut axis = [0.0; 3];
-            axis[least] = 1.0;
-            unit(cross(forward, axis)).unwrap_or([1.0, 0.0, 0.0])
-        });
-        let other = cross(forward, side);
-        for k in 0..SIDES {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(SIDES)).sin_cos();
-            let normal: Point = std::array::from_fn(|k| cos * side[k] + sin * other[k]);
-            mesh.positions.push(std::array::from_fn(|k| (centre[k] + radius * normal[k]) as f32));
-            mesh.normals.push(normal.map(|x| x as f32));
-        }
-    }
-    for ring in 0..path.len() as u32 - 1 {
-        for k in 0..SIDES {
-            let [a, d] = [ring, ring + 1].map(|ring| begin + ring * SIDES + k);
-            let [b, c] = [ring, ring + 1].map(|ring| begin + ring * SIDES + (k + 1) % SIDES);
-            mesh.indices.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn unit(v: Point) -> Option<Point> {
-    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    (length > 1e-12 && length.is_finite()).then(|| v.map(|x| x / length))
 }

@@ -418,7 +418,7 @@ pub(super) fn commit_into(
         ));
     }
     // A scene without any triangle was warned about when it was read.
-    let has_triangles = scene.meshes().iter().any(|mesh| !mesh.indices.is_empty());
+    let has_triangles = scene.meshes().iter().any(|mesh| mesh.primitive_count() > 0);
     if world.bounds().is_none() && has_triangles {
         messages.warning("no visible triangle is left: the picture shows only the background");
     }

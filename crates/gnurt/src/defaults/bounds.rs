@@ -117,8 +117,10 @@ pub fn bounds_over(scene: &mut Scene, clip: usize) -> Option<Bounds> {
 }
 
 fn mesh_bounds(mesh: &Mesh) -> Option<Bounds> {
-    let corners = mesh.indices.iter().flatten().filter_map(|&i| mesh.positions.get(i as usize));
-    Bounds::around(corners.map(|p| p.map(f64::from)))
+    let of_triangles = mesh.indices.iter().flatten().filter_map(|&i| mesh.positions.get(i as usize));
+    // Curves and spheres: their vertices. They are thin beside the scene.
+    let of_others = mesh.positions.iter().filter(|_| !mesh.has_triangles());
+    Bounds::around(of_triangles.chain(of_others).map(|p| p.map(f64::from)))
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@ mod object;
 mod object_build;
 mod open;
 mod shader_emission;
+mod strands;
 mod surface;
 mod table;
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use gnurt_accel::{
     BuildOptions, Geometry, Memory, Motion, MovingTree, MovingTriangles, ObjectTree, SharedList, Threads,
-    Triangles, Update,
+    Update,
 };
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Mesh, MeshId, Scene};
@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use super::areas::Areas;
 use super::crowds::{Crowds, Kind};
 use super::object::{ObjectSlot, WorldObject, bends, materials_of};
+use super::strands::Arrays;
 
 /// Objects that became others, ascending.
 #[derive(Default)]
@@ -98,6 +99,7 @@ impl Found {
         let before = before.filter(|before| same_topology(&before.meshes, &meshes));
         // An object that deforms during the open shutter has a tree of its own.
         let moves = !bends(&keys)
+            && meshes.iter().all(|mesh| mesh.has_triangles())
             && !matches!(object.motion, gnurt_scene::Motion::Static | gnurt_scene::Motion::Rigid);
         let known = before.as_ref().and_then(|before| before.kind.clone());
         let kind = moves.then(|| known.unwrap_or_else(|| crowds.kind_of(&meshes)));
@@ -110,10 +112,12 @@ impl Found {
         self.kind.as_ref().filter(|kind| shares && kind.is_of_many())
     }
 
-    fn geometries(&self) -> Vec<Geometry<'_>> {
-        let triangles =
-            self.meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices });
-        triangles.map(Geometry::from).collect()
+    fn arrays(&self) -> Vec<Arrays> {
+        self.meshes.iter().map(|mesh| Arrays::of(mesh)).collect()
+    }
+
+    fn geometries<'a>(&'a self, arrays: &'a [Arrays]) -> Vec<Geometry<'a>> {
+        self.meshes.iter().zip(arrays).map(|(mesh, arrays)| arrays.geometry(mesh)).collect()
     }
 }
 
@@ -127,7 +131,7 @@ fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
         .filter(|(_, kind)| visible.insert(Arc::as_ptr(kind)))
         .collect();
     let prepare = |(found, kind): &(&Found, &Arc<Kind>)| {
-        kind.crowd.prepare(&found.geometries(), &options(memory), Threads::Pool(pool));
+        kind.crowd.prepare(&found.geometries(&found.arrays()), &options(memory), Threads::Pool(pool));
     };
     match &firsts[..] {
         [first] => prepare(first),
@@ -150,7 +154,8 @@ fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObjec
     let (moving, update) = match known {
         Some((before, moving)) if same_positions(&before.meshes, meshes) => (moving, None),
         known => {
-            let geometries = found.geometries();
+            let arrays = found.arrays();
+            let geometries = found.geometries(&arrays);
             let (options, threads) = (options(memory), Threads::Pool(pool));
             match (found.crowd(), known) {
                 (Some(kind), known) => {
@@ -208,9 +213,12 @@ fn exposed(
     let lists: Vec<Vec<&[[f32; 3]]>> =
         keys.iter().map(|keys| keys.iter().map(|mesh| &mesh.positions[..]).collect()).collect();
     let mut geometries: Vec<Geometry> = Vec::with_capacity(meshes.len());
-    for (mesh, keys) in meshes.iter().zip(&lists) {
+    let arrays: Vec<Arrays> = meshes.iter().map(|mesh| Arrays::of(mesh)).collect();
+    for ((mesh, keys), arrays) in meshes.iter().zip(&lists).zip(&arrays) {
         geometries.push(match keys.is_empty() {
-            true => Triangles { positions: &mesh.positions, indices: &mesh.indices }.into(),
+            true => arrays.geometry(mesh),
+            // Curves and spheres stay where they are when the shutter opens.
+            false if !mesh.has_triangles() => arrays.geometry(mesh),
             false => MovingTriangles { keys, indices: &mesh.indices }.into(),
         });
     }
@@ -236,7 +244,10 @@ fn motion(motion: gnurt_scene::Motion) -> Motion {
 /// Whether at most vertices have moved.
 fn same_topology(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
     let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
-        Arc::ptr_eq(a, b) || (a.positions.len() == b.positions.len() && a.indices == b.indices)
+        Arc::ptr_eq(a, b)
+            || (a.positions.len() == b.positions.len()
+                && a.indices == b.indices
+                && a.primitives == b.primitives)
     };
     before.len() == now.len() && before.iter().zip(now).all(same)
 }

@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use glam::{Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 use gnurt_accel::{HitBatch, KeyInterval, RayBatch, SceneTree, SharedList};
 use gnurt_scene::{Attribute, Mesh, Rate};
 use gnurt_shading::lanes::LANES;
@@ -19,6 +19,7 @@ use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::normals::{Columns, Precise};
 use super::open::Shutter;
+use super::strands;
 use super::transform::Transform;
 use crate::cone::Cones;
 
@@ -83,6 +84,8 @@ struct Gathered<'w> {
     normals: [Row; 9],
     /// Their texture coordinates.
     uv: [Row; 6],
+    /// Of ribbons that face rays: how far a ray must start from them. World.
+    widths: Row,
     /// Linear part, matrix of normals, origin, greatest intermediate coordinate.
     transform: [Row; 22],
     has: Has,
@@ -99,6 +102,7 @@ struct Has {
     colors: bool,
     tangents: bool,
     divisors: bool,
+    widths: bool,
 }
 
 impl<'w> Gathered<'w> {
@@ -112,6 +116,7 @@ impl<'w> Gathered<'w> {
             corners: [[0.0; LANES]; 9],
             normals: [[0.0; LANES]; 9],
             uv: [[0.0; LANES]; 6],
+            widths: [0.0; LANES],
             transform: [[0.0; LANES]; 22],
             has: Has::default(),
             curved: false,
@@ -122,6 +127,9 @@ impl<'w> Gathered<'w> {
     /// Reads the input of the points of these lanes, sixteen or fewer.
     fn read(&mut self, point_sources: &SurfacePoints<'w>, from: HitLanes, lanes: &[u32]) {
         let hits = from.hits;
+        if self.has.widths {
+            self.widths = [0.0; LANES];
+        }
         self.has = Has::default();
         let (mut last, mut known) = ([u32::MAX; 2], None);
         for (i, &lane) in lanes.iter().enumerate().take(LANES) {
@@ -139,8 +147,13 @@ impl<'w> Gathered<'w> {
             if let Some(shutter) = point_sources.shutter {
                 self.times[i] = shutter.time(from.keys[lane]);
             }
-            let vertices = mesh.indices[hits.prim_id[lane] as usize].map(|v| v as usize);
+            let prim_id = hits.prim_id[lane] as usize;
+            let vertices = mesh.corners(prim_id).expect("hits name primitives that are there");
             self.vertices[i] = vertices;
+            if !mesh.has_triangles() {
+                self.read_curved(i, from, lane);
+                continue;
+            }
             for (c, &vertex) in vertices.iter().enumerate() {
                 put_vector(&mut self.corners, 3 * c, i, mesh.positions[vertex]);
             }
@@ -150,6 +163,37 @@ impl<'w> Gathered<'w> {
             }
         }
         self.read_places(lanes.len().min(LANES));
+    }
+
+    /// Reads a hit on a curve or a sphere.
+    #[cold]
+    fn read_curved(&mut self, i: usize, from: HitLanes, lane: usize) {
+        let (Some(mesh), Some((instance, leaf))) = (self.meshes[i], self.instances[i]) else { return };
+        let (rays, hits) = (from.rays, from.hits);
+        let Transform { linear, origin, .. } = instance.leaf_at(leaf, self.times[i]);
+        let object_from_world = linear.as_dmat3().inverse();
+        let [org, dir] = [&rays.org, &rays.dir]
+            .map(|v| DVec3::new(v[0][lane].into(), v[1][lane].into(), v[2][lane].into()));
+        let hit = strands::Hit {
+            prim_id: hits.prim_id[lane] as usize,
+            uv: [hits.u[lane], hits.v[lane]],
+            point: object_from_world * (org + dir * f64::from(hits.t[lane]) - origin.as_dvec3()),
+            dir: object_from_world * dir,
+        };
+        if !self.has.uv {
+            (self.uv, self.has.uv) = ([[0.0; LANES]; 6], true);
+        }
+        self.has.colors |= !mesh.colors.is_empty();
+        // A point without a tangent plane is one of no area: seen along the ray.
+        let across = || strands::Tangent::across(hit.point, hit.dir.any_orthonormal_vector(), hit.dir);
+        let tangent = hit.tangent(mesh).unwrap_or_else(across);
+        for c in 0..3 {
+            put_vector(&mut self.corners, 3 * c, i, tangent.corners[c]);
+            (self.uv[2 * c][i], self.uv[2 * c + 1][i]) = (tangent.uv[c][0], tangent.uv[c][1]);
+        }
+        self.widths[i] =
+            tangent.width * linear.to_cols_array().iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+        self.has.widths |= tangent.width > 0.0;
     }
 
     /// Reads the attributes that only some meshes have.
@@ -462,7 +506,8 @@ impl Gathered<'_> {
             let most = x.abs() * reach.x + y.abs() * reach.y;
             let magnitude = (most + z.abs() * reach.z + origin.abs()).max_element();
             let magnitude = magnitude.or_more(zero.load(&self.transform[21], first));
-            put(&mut out.error, range, magnitude * ERROR_SCALE + zero.all(epsilon));
+            let width = if self.has.widths { zero.load(&self.widths, first) } else { zero };
+            put(&mut out.error, range, magnitude * ERROR_SCALE + zero.all(epsilon) + width);
             put3(&mut out.lift, range, lift);
         }
         self.changes((zero, first), &corners, &linear, range, out);
@@ -588,7 +633,7 @@ fn attribute_at(a: &Attribute, mesh: &Mesh, prim_id: usize, weights: [f32; 3], k
     match a.rate {
         Rate::Triangle => value(prim_id),
         Rate::Vertex => {
-            let corners = mesh.indices[prim_id].map(|i| i as usize);
+            let corners = mesh.corners(prim_id)?;
             (0..3).try_fold(0.0, |sum, c| Some(sum + weights[c] * value(corners[c])?))
         }
     }

@@ -145,7 +145,7 @@ impl Formats {
         if let Some(up) = options.up {
             up.turn(&mut loaded.scene);
         }
-        if loaded.scene.meshes().iter().all(|mesh| mesh.indices.is_empty()) {
+        if loaded.scene.meshes().iter().all(|mesh| mesh.primitive_count() == 0) {
             loaded.warnings.note(Oddity::EmptyScene, path, None, "");
         }
         if let Some(first) = loaded.warnings.iter().next().filter(|_| options.strict) {
