@@ -191,7 +191,7 @@ impl<'a> Builder<'a> {
     pub(crate) fn show(&mut self, shown: Shown) -> Result<(), Error> {
         let Shown { mut mesh, class, signature, transforms, material, medium, area_light, alpha, location } =
             shown;
-        if mesh.indices.is_empty() {
+        if mesh.primitive_count() == 0 {
             return Ok(());
         }
         self.access.budget.hold(SHAPE_BYTES).map_err(|e| location.excess(e))?;

@@ -63,6 +63,7 @@ pub(crate) enum Model {
         transmittance: Input,
         scale: f32,
     },
+    Hair(Box<Hair>),
     /// Materials by their numbers.
     Mix {
         parts: [u32; 2],
@@ -90,6 +91,14 @@ impl Material {
             Model::Dielectric { microfacets, .. } => rough(microfacets),
             Model::DiffuseTransmission { reflectance, transmittance, .. } => {
                 textured(reflectance) || textured(transmittance)
+            }
+            Model::Hair(hair) => {
+                let Hair { color, roughness: [along, around], .. } = &**hair;
+                let of_color = match color {
+                    HairColor::Absorption(color) | HairColor::Reflectance(color) => textured(color),
+                    HairColor::Melanin(dark, red) => textured(dark) || textured(red),
+                };
+                of_color || textured(along) || textured(around)
             }
             Model::Mix { .. } => true,
         };
@@ -120,6 +129,28 @@ pub(crate) enum Metal {
     Complex(Input, Input),
     /// Reflectance at normal incidence.
     Reflectance(Input),
+}
+
+/// A hair.
+#[derive(Clone, Debug)]
+pub(crate) struct Hair {
+    pub(crate) color: HairColor,
+    /// Along it and around it.
+    pub(crate) roughness: [Input; 2],
+    pub(crate) index: f32,
+    /// Of its scales, in degrees.
+    pub(crate) tilt: Input,
+}
+
+/// How a hair is coloured.
+#[derive(Clone, Debug)]
+pub(crate) enum HairColor {
+    /// Absorption for a radius of 1.
+    Absorption(Input),
+    /// Colour of thick hair.
+    Reflectance(Input),
+    /// Concentrations of eumelanin and pheomelanin.
+    Melanin(Input, Input),
 }
 
 /// What materials are read with.
@@ -256,13 +287,31 @@ impl Reading<'_> {
                 Model::Mix { parts, amount: self.number(parameters, "amount", 0.5)? }
             }
             "hair" => {
-                stand_in(warnings, "material \"hair\", shown as a diffuse surface of its colour");
+                let given = |name: &str| self.textures.float(parameters, name);
                 let color = match self.textures.spectrum(parameters, "reflectance", self.access)? {
-                    Some(color) => color,
-                    None => self.color(parameters, "color", 0.2)?,
+                    Some(color) => Some(color),
+                    None => self.textures.spectrum(parameters, "color", self.access)?,
                 };
-                parameters.ignore();
-                Model::Diffuse(color)
+                let absorption = self.textures.spectrum(parameters, "sigma_a", self.access)?;
+                let melanin = [given("eumelanin")?, given("pheomelanin")?];
+                // In the order in which pbrt takes them.
+                let color = match (absorption, color, melanin) {
+                    (Some(absorption), _, _) => HairColor::Absorption(absorption),
+                    (None, Some(color), _) => HairColor::Reflectance(color),
+                    (None, None, [None, None]) => HairColor::Melanin(Input::number(1.3), Input::number(0.0)),
+                    (None, None, [dark, red]) => {
+                        let or_none = |input: Option<Input>| input.unwrap_or(Input::number(0.0));
+                        HairColor::Melanin(or_none(dark), or_none(red))
+                    }
+                };
+                let roughness =
+                    [self.number(parameters, "beta_m", 0.3)?, self.number(parameters, "beta_n", 0.3)?];
+                let index = match parameters.find("eta", &[Kind::Float, Kind::Spectrum, Kind::Rgb]) {
+                    Some(_) => self.index(parameters, "eta")?.0,
+                    None => 1.55,
+                };
+                let tilt = self.number(parameters, "alpha", 2.0)?;
+                Model::Hair(Box::new(Hair { color, roughness, index, tilt }))
             }
             "measured" => {
                 stand_in(warnings, "material \"measured\", shown as a diffuse grey of 0.5");

@@ -6,6 +6,18 @@
 /// Their text.
 pub(crate) const FUNCTIONS: &str = r#"
 float pbrt_mean (color c) { return (c[0] + c[1] + c[2]) / 3; }
+float pbrt_hair_variance (float b)
+{
+    float root = 0.726 * b + 0.812 * b * b + 3.7 * pow (b, 20);
+    return root * root;
+}
+float pbrt_hair_scale (float b) { return 0.265 * b + 1.194 * b * b + 5.372 * pow (b, 22); }
+color pbrt_hair_absorption (color c, float b)
+{
+    float by = 5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + 0.245 * b))));
+    color root = log (clamp (c, color (1e-4), color (1))) / by;
+    return root * root;
+}
 float pbrt_fbm (point at, float omega, int octaves)
 {
     float sum = 0, scale = 1, share = 1;

@@ -9,7 +9,7 @@ use gnurt_scene::detail::Interior;
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
 use gnurt_scene::{Material as Made, ShaderFile, Surface, TextureId};
 
-use crate::material::{Coat, Facets, Material, Metal, Model};
+use crate::material::{Coat, Facets, Hair, HairColor, Material, Metal, Model};
 use crate::microfacets::{STEPS, coated, table};
 use crate::osl::{Code, Library, color, number};
 use crate::patterns::FUNCTIONS;
@@ -470,6 +470,34 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
             let [r, t] = [clamped(code, reflectance), clamped(code, transmittance)];
             let scale = number(*scale);
             format!("{scale} * ({r} * diffuse (Nn) + {t} * translucent (Nn))")
+        }
+        Model::Hair(hair) => {
+            let Hair { color, roughness, index, tilt } = &**hair;
+            let [along, around] = roughness.each_ref().map(|input| {
+                let (value, name) = (code.float(input), code.name('a'));
+                code.line(format!("float {name} = clamp ({value}, 0.01, 1);"));
+                name
+            });
+            let (absorption, tilt) = (code.name('c'), code.float(tilt));
+            let made = match color {
+                HairColor::Absorption(color) => code.color(color),
+                HairColor::Reflectance(color) => {
+                    format!("pbrt_hair_absorption ({}, {around})", code.color(color))
+                }
+                HairColor::Melanin(dark, red) => {
+                    let [dark, red] = [dark, red].map(|input| code.float(input));
+                    format!("{dark} * color (0.419, 0.697, 1.37) + {red} * color (0.187, 0.4, 1.05)")
+                }
+            };
+            code.line(format!("color {absorption} = max ({made}, color (0));"));
+            code.line(format!(
+                "{along} = pbrt_hair_variance ({along}); {around} = pbrt_hair_scale ({around});"
+            ));
+            format!(
+                "chiang_hair_bsdf (Nn, dPdu, color (1), color (1), color (1), {}, {along}, 0.25 * {along}, 4 * {along}, \
+                 {around}, {around}, {around}, radians ({tilt}), {absorption})",
+                number(*index)
+            )
         }
         Model::Mix { parts, amount } => {
             let amount = code.float(amount);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shapes: areas by closed forms, sides of normals, texture coordinates.
 
-use gnurt_scene::Mesh;
+use gnurt_scene::{CurveBasis, CurveForm, Mesh, Primitives};
 
 use crate::common::world;
 
@@ -99,19 +99,32 @@ fn patches_and_subdivision() {
 
 #[test]
 fn curves_are_as_wide_as_they_should_be() {
-    let straight = "\"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] \"float width\" 0.1";
-    let tube = mesh(&format!("Shape \"curve\" {straight}"));
-    // The mean shadow of a convex body is a quarter of its surface.
-    near(area(&tube), 0.1 * std::f64::consts::PI * 3.0);
+    let straight = "\"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] \"float width0\" 0.1 \"float width1\" 0.4";
+    let curves = |mesh: &Mesh| match &mesh.primitives {
+        Primitives::Curves(curves) => curves.clone(),
+        other => panic!("{other:?}"),
+    };
+    let flat = curves(&mesh(&format!("Shape \"curve\" {straight}")));
+    assert_eq!((flat.basis, flat.form), (CurveBasis::Bezier, CurveForm::Flat), "the default");
+    let expected = [0.05, 0.1, 0.15, 0.2];
+    assert!(flat.radii.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{:?}", flat.radii);
     let ribbon =
-        mesh(&format!("Shape \"curve\" \"string type\" \"ribbon\" \"normal N\" [ 0 0 1 0 0 1 ] {straight}"));
-    near(area(&ribbon), 0.3);
+        mesh(&format!("Shape \"curve\" \"string type\" \"ribbon\" \"normal N\" [ 0 0 1 0 1 0 ] {straight}"));
+    assert_eq!(curves(&ribbon).form, CurveForm::Oriented, "with normals");
+    assert!(
+        ribbon.normals[3][1] > 0.999 && (ribbon.normals[1][1] - 0.5).abs() < 1e-6,
+        "{:?}",
+        ribbon.normals
+    );
     let spline = mesh(
         "Shape \"curve\" \"string basis\" \"bspline\" \"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 4 0 0 ] \"float width\" 0.1",
     );
+    assert_eq!(curves(&spline).segments, [0, 3], "two segments");
     let ends = spline.positions.iter().fold([f32::MAX, f32::MIN], |[a, b], p| [a.min(p[0]), b.max(p[0])]);
     assert!(
         (ends[0] - 1.0).abs() < 1e-5 && (ends[1] - 3.0).abs() < 1e-5,
         "from the second to the last but one: {ends:?}"
     );
+    let square = mesh("Shape \"curve\" \"integer degree\" 2 \"point3 P\" [ 0 0 0 1 2 0 2 0 0 ]");
+    assert!((square.positions[1][1] - 4.0 / 3.0).abs() < 1e-6, "a cubic that is the same");
 }

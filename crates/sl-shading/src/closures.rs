@@ -33,7 +33,8 @@ pub(crate) enum Known {
     Dielectric,
     Conductor,
     Schlick,
-    /// Hair, volumes and closures without an appearance.
+    Hair,
+    /// Volumes and closures without an appearance.
     Nothing,
 }
 
@@ -65,7 +66,7 @@ const TABLE: [(Known, &str, &str); 29] = [
     (Known::Transparent, "transparent_bsdf", ""),
     (Known::SubsurfaceBssrdf, "subsurface_bssrdf", "VCCF"),
     (Known::Sheen, "sheen_bsdf", "VCF?"),
-    (Known::Nothing, "chiang_hair_bsdf", "VVCCCFFFFFFFFC"),
+    (Known::Hair, "chiang_hair_bsdf", "VVCCCFFFFFFFFC"),
     (Known::UniformEdf, "uniform_edf", "C"),
     (Known::Nothing, "anisotropic_vdf", "CCF"),
     (Known::Nothing, "medium_vdf", "CFCFFI"),

@@ -156,9 +156,9 @@ fn microfacets(slopes: Slopes, f0: Vec3, f90: Vec3) -> Lobe {
     slopes.of(|alpha| Lobe::microfacets(alpha, f0, f90))
 }
 
-/// The lobes of a closure, at most two, each around the point's normal; `front` = the ray came from the side
+/// The lobes of a closure, at most three, each around the point's normal; `front` = the ray came from the side
 /// of the mesh's normal.
-pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
+pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
     let one = match p.shape.known {
         Known::Diffuse => Lobe::lambert(Vec3::ONE),
         Known::OrenNayar => Lobe::oren_nayar_once(Vec3::ONE, p.float(1).clamp(0.0, 1.0)),
@@ -198,9 +198,23 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
             p.slopes().of(|alpha| Lobe::metal(alpha, eta, k)).filmed(p.film())
         }
         Known::Schlick => return schlick(p, front),
-        _ => return [None; 2],
+        Known::Hair => return hair(p),
+        _ => return [None; 3],
     };
-    [Some(one), None]
+    [Some(one), None, None]
+}
+
+/// A hair: a lobe for each of its terms. Scales of the distribution around it are those before the factor of \[CBTB16\].
+fn hair(p: &Params) -> [Option<Lobe>; 3] {
+    let absorption = p.vec3(13).max(Vec3::ZERO);
+    let (index, tilt) = (p.float(5).max(1.0), p.float(12));
+    [0, 1, 2].map(|term| {
+        let scale = (std::f32::consts::PI / 8.0).sqrt() * p.float(9 + term);
+        let widths = [p.float(6 + term), scale];
+        let mut lobe = Lobe::hair(term as u32, p.vec3(1), absorption, widths, [index, tilt]);
+        lobe.weight = p.share(2 + term);
+        Some(lobe)
+    })
 }
 
 /// Microfacets that reflect, refract or both, by the number of the last parameter.
@@ -229,11 +243,11 @@ fn microfacet(p: &Params) -> Lobe {
 
 /// Microfacets under Schlick's reflectances; with transmission, a lobe for each of reflection and
 /// transmission.
-fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 2] {
+fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 3] {
     let (slopes, [f0, f90], power, tint) = (p.slopes(), [p.share(6), p.share(7)], p.float(8), p.share(2));
     let through = p.share(3);
     if through == Vec3::ZERO {
-        return [Some(tinted(microfacets(slopes, f0, f90).risen(power).filmed(p.film()), tint)), None];
+        return [Some(tinted(microfacets(slopes, f0, f90).risen(power).filmed(p.film()), tint)), None, None];
     }
     let root = (f0.element_sum() / 3.0).min(0.99).sqrt();
     let index = (1.0 + root) / (1.0 - root);
@@ -243,7 +257,7 @@ fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 2] {
         lobe.weight = weight;
         lobe.filmed(p.film())
     };
-    [Some(part(tint, false)), Some(part(through, true))]
+    [Some(part(tint, false)), Some(part(through, true)), None]
 }
 
 /// A lobe times a tint. Without a film that is in its reflectances, where layers find it.

@@ -243,7 +243,7 @@ impl<'a> Flattened<'a> {
         }
     }
 
-    /// A closure that is a lobe, or two.
+    /// A closure that is a lobe, or several.
     fn scatter(&mut self, shape: &'static Shape, part: &Part<'a>, lanes: u32, weight: &Rows) {
         let from = self.lists.ends();
         let back = lanes & u32::from(self.points.backfacing);

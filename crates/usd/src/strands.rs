@@ -55,7 +55,8 @@ impl Strand {
                 CurveBasis::Bezier => position as f32 / 3.0,
                 _ => position as f32 - 1.0,
             };
-            let wrapped = |i: usize| own[if self.is_periodic { i % self.knots } else { i.min(self.knots - 1) }];
+            let wrapped =
+                |i: usize| own[if self.is_periodic { i % self.knots } else { i.min(self.knots - 1) }];
             let low = at.max(0.0).floor();
             mixed(wrapped(low as usize), wrapped(low as usize + 1), (at - low).max(0.0))
         };

@@ -130,7 +130,8 @@ impl Hit {
         let (center, along) = (DVec3::new(x, y, z), DVec3::from(one.tangent(0, u)?));
         let unit = along.try_normalize()?;
         let span = curves.spans.get(self.prim_id).copied().unwrap_or([0.0, 1.0]);
-        let at = [span[0] + (span[1] - span[0]) * self.uv[0], self.uv[1]];
+        let across = if curves.form == CurveForm::Flat { 0.5 * (self.uv[1] + 1.0) } else { self.uv[1] };
+        let at = [span[0] + (span[1] - span[0]) * self.uv[0], across];
         let (point, out, width) = match curves.form {
             CurveForm::Flat => {
                 // Left, seen along ray and curve, is -1.

@@ -47,11 +47,13 @@ pub enum Kind {
     SchlickGlass,
     /// A layer of fibres that scatter light among them.
     Fibres,
+    /// Light that one hair reflects, lets through or lets out later.
+    Hair,
 }
 
 impl Kind {
     /// In the order of their numbers.
-    pub(super) const ALL: [Self; 16] = [
+    pub(super) const ALL: [Self; 17] = [
         Self::None,
         Self::Diffuse,
         Self::Microfacets,
@@ -68,6 +70,7 @@ impl Kind {
         Self::Beckmann,
         Self::SchlickGlass,
         Self::Fibres,
+        Self::Hair,
     ];
 
     /// Its bit in a set of kinds.
@@ -93,7 +96,7 @@ impl Kind {
     #[must_use]
     pub fn goes_through(self) -> bool {
         let is_glass = matches!(self, Self::Glass | Self::Pane | Self::SmoothGlass | Self::SmoothPane);
-        is_glass || matches!(self, Self::Translucent | Self::Beckmann | Self::SchlickGlass)
+        is_glass || matches!(self, Self::Translucent | Self::Beckmann | Self::SchlickGlass | Self::Hair)
     }
 }
 
@@ -273,6 +276,24 @@ impl Lobe {
     #[must_use]
     pub fn fibres(color: Vec3, roughness: f32) -> Self {
         Self { weight: color, alpha: roughness, ..Self::of(Kind::Fibres) }
+    }
+
+    /// One of the terms of a hair along `tangent`, a unit vector to its tip: 0 what it reflects, 1 what it lets through, 2 what it
+    /// lets out after reflections within. All three together are the hair. `variance` is that of angles along it, `scale` that of
+    /// the logistic distribution around it, both above 0; `absorption` is for a radius of 1; `index` is over that around
+    /// it; `tilt` is the angle of its scales in radians.
+    #[must_use]
+    pub fn hair(
+        term: u32,
+        tangent: Vec3,
+        absorption: Vec3,
+        [variance, scale]: [f32; 2],
+        [index, tilt]: [f32; 2],
+    ) -> Self {
+        let numbers = Vec3::new(term.min(2) as f32, tilt, 0.0);
+        let eta = 1.0 / index.max(1.0 + 1e-4);
+        let (alpha, across) = (variance.clamp(1e-4, 10.0), scale.clamp(1e-3, 100.0));
+        Self { a: absorption, c: numbers, alpha, across, eta, tangent, ..Self::of(Kind::Hair) }
     }
 
     /// Upright fibres of a colour; `roughness` is glTF's, in [0, 1].

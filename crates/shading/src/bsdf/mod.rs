@@ -32,6 +32,7 @@ mod fibres;
 mod film;
 pub(crate) mod fresnel;
 mod ggx;
+mod hair;
 mod lists;
 mod lobe;
 mod lobes;

@@ -16,7 +16,10 @@ impl<R: Real> PreparedLobe<R> {
     #[inline(always)]
     pub(super) fn is_scalar(&self) -> R::Mask {
         let is = self.is(Kind::Phong) | self.is(Kind::Ward);
-        is | self.is(Kind::Beckmann) | self.is(Kind::SchlickGlass) | self.is(Kind::Fibres)
+        is | self.is(Kind::Beckmann)
+            | self.is(Kind::SchlickGlass)
+            | self.is(Kind::Fibres)
+            | self.is(Kind::Hair)
     }
 
     /// That of point `i`, seen from `wo` in the frame of its slopes.

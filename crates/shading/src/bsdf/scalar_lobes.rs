@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rare lobes, one point at a time: by Phong, by Ward, Beckmann's microfacets, glass under Schlick's
-//! reflectances, layers of fibres. Sixteen points evaluate them point by point, so that other lobes' code
+//! reflectances, layers of fibres, hair. Sixteen points evaluate them point by point, so that other lobes' code
 //! stays small.
 //! Source: see the file of each. Space: a frame with z = the shading normal and x along the slopes.
 //! Invariant: the same code for one point and for each of sixteen, so the same bits. Tests: `tests` of `bsdf`.
@@ -10,6 +10,7 @@ use glam::Vec3;
 use super::anisotropy::{AnisotropyFrame, Slopes};
 use super::beckmann::Beckmann;
 use super::ggx::Ggx;
+use super::hair::Hair;
 use super::lobe::Kind;
 use super::rough_dielectric::{Glass, Microfacets, Mirrored, PreparedGlass};
 use super::{fibres, fresnel, phong, ward};
@@ -20,7 +21,8 @@ pub(super) const KINDS: u32 = Kind::Phong.bit()
     | Kind::Ward.bit()
     | Kind::Beckmann.bit()
     | Kind::SchlickGlass.bit()
-    | Kind::Fibres.bit();
+    | Kind::Fibres.bit()
+    | Kind::Hair.bit();
 
 /// A lobe at a point, with the numbers of [`Lobe`](super::Lobe).
 #[derive(Clone, Copy, Debug)]
@@ -93,6 +95,12 @@ macro_rules! as_glass {
 }
 
 impl ScalarLobe {
+    fn hair(&self) -> Hair {
+        let [variance, scale] = self.widths;
+        let (term, index) = (self.c.x as usize, 1.0 / self.eta);
+        Hair { term, absorption: self.a, variance, scale, index, tilt: self.c.y }
+    }
+
     fn beckmann(&self) -> Glass<f32, Beckmann, Rise> {
         Glass {
             slopes: Beckmann::new(self.widths),
@@ -141,6 +149,7 @@ impl ScalarLobe {
         match self.kind {
             Kind::Phong => dim(phong::albedo(self.eta, wo.z)),
             Kind::Fibres => dim(fibres::albedo(self.widths[0], wo.z)),
+            Kind::Hair => View { albedo: self.hair().albedo(wo), ..View::default() },
             Kind::Ward => {
                 let sent = ward::sent_back(self.widths, wo);
                 View { hidden: sent, ..dim(sent.min(1.0)) }
@@ -187,6 +196,7 @@ impl ScalarLobe {
             match self.kind {
                 Kind::Phong => dim(phong::eval_pdf(self.eta, self.wo, wi)),
                 Kind::Fibres => dim(fibres::eval_pdf(self.widths[0], self.wo, wi)),
+                Kind::Hair => self.hair().eval_pdf(self.wo, wi),
                 Kind::Ward => dim(ward::eval_pdf(self.widths, hidden, self.wo, wi)),
                 _ => dim((0.0, 0.0)),
             }
@@ -204,6 +214,7 @@ impl ScalarLobe {
             match self.kind {
                 Kind::Phong => above(phong::sample(self.eta, self.wo, [u[1], u[2]])),
                 Kind::Fibres => fibres::sample(self.widths[0], self.wo, cosine),
+                Kind::Hair => self.hair().sample(self.wo, u),
                 Kind::Ward => above(ward::sample(self.widths, self.wo, [u[1], u[2]])),
                 _ => Vec3::ZERO,
             }
