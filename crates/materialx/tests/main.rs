@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Tests of documents, and of the texts that they become.
+
+mod library;
