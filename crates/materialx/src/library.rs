@@ -3,7 +3,6 @@
 //! Tests: `tests/library.rs`.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use crate::document::inherit;
@@ -120,9 +119,4 @@ impl<'a> Definitions<'a> {
 /// The embedded definitions.
 pub(crate) fn embedded() -> &'static Definitions<'static> {
     &EMBEDDED
-}
-
-/// The file of an embedded element.
-pub(crate) fn path(element: &Element) -> &'static Path {
-    Path::new(FILES.get(element.file as usize).map_or("", |(file, _)| file))
 }

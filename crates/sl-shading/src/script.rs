@@ -32,6 +32,7 @@ use crate::fixed::Fixed;
 use crate::library;
 use crate::light::ScriptLight;
 use crate::live::Live;
+use crate::mtlx;
 use crate::parameter::{self, Parameter, ParameterValue};
 use crate::pixel::{self, ScriptPixel};
 use crate::properties::Properties;
@@ -88,6 +89,8 @@ pub struct Script {
     name: String,
     kind: Kind,
     group: Group,
+    /// Where it is read from again: its file, and the node of a document.
+    origin: Option<PathBuf>,
     files: Vec<PathBuf>,
     warnings: Vec<String>,
     textures: Arc<Textures>,
@@ -108,6 +111,9 @@ impl Script {
         if let Some(text) = library::text(path) {
             return Self::made(path, text, access, Vec::new());
         }
+        if let Some((file, node)) = mtlx::split(&path.to_string_lossy()) {
+            return Self::of_document(path, Path::new(file), node, None, access);
+        }
         let text = access.text(path).map_err(|why| {
             let why = library::unknown(path).unwrap_or(why);
             format!("{}: {why}", path.display())
@@ -120,7 +126,25 @@ impl Script {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_text(path: &Path, text: &str, access: &Access) -> Result<Self, String> {
-        Self::made(path, text, access, vec![path.to_owned()])
+        match mtlx::split(&path.to_string_lossy()) {
+            Some((file, node)) => Self::of_document(path, Path::new(file), node, Some(text), access),
+            None => Self::made(path, text, access, vec![path.to_owned()]),
+        }
+    }
+
+    /// The shader that a document of MaterialX describes.
+    fn of_document(
+        path: &Path,
+        file: &Path,
+        node: Option<&str>,
+        text: Option<&str>,
+        access: &Access,
+    ) -> Result<Self, String> {
+        let written = mtlx::written(file, node, text, access)?;
+        let mut script = Self::made(file, &written.text, access, written.files)?;
+        script.origin = Some(path.to_owned());
+        script.warnings.splice(0..0, written.warnings);
+        Ok(script)
     }
 
     fn made(path: &Path, text: &str, access: &Access, files: Vec<PathBuf>) -> Result<Self, String> {
@@ -149,11 +173,13 @@ impl Script {
         if kind == Kind::Surface && is_black {
             reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black"));
         }
+        let files = reader.files.into_inner();
         Ok(Self {
             name,
             kind,
             group,
-            files: reader.files.into_inner(),
+            origin: files.first().cloned(),
+            files,
             warnings: reader.warnings.into_inner(),
             textures: Arc::new(Textures::new(access.clone(), folder)),
             faults: Arc::default(),
@@ -169,7 +195,7 @@ impl Script {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn again(&self) -> Result<Self, String> {
-        let path = self.files.first().ok_or_else(|| format!("{}: it has no file", self.name))?;
+        let path = self.origin.as_ref().ok_or_else(|| format!("{}: it has no file", self.name))?;
         let mut script = Self::open(path, &self.access)?;
         for (name, value) in &self.given {
             if let Err(why) = script.set(name, value) {
