@@ -8,7 +8,7 @@ const TAKEN: &str = " and break closure color continue do else emit float for if
      new operator private protected short signed sizeof static switch template this throw try typedef uniform \
      union unsigned varying virtual abs floor ceil round sign sqrt pow exp log sin cos tan asin acos atan2 \
      min max clamp mix mod smoothstep dot cross normalize radians transform transformc determinant transpose \
-     snoise cellnoise texture getattribute backfacing Dx Dy filterwidth transparent layer result \
+     snoise cellnoise texture getattribute backfacing Dx Dy filterwidth blackbody luminance transparent layer result \
      oren_nayar_diffuse_bsdf burley_diffuse_bsdf dielectric_bsdf conductor_bsdf generalized_schlick_bsdf \
      translucent_bsdf subsurface_bssrdf sheen_bsdf chiang_hair_bsdf uniform_edf anisotropic_vdf \
      P I N Ng u v dPdu dPdv time Ci true false ";

@@ -67,8 +67,9 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
                 "0" => ("color".to_owned(), "alpha".to_owned()),
                 index => (format!("color{index}"), format!("alpha{index}")),
             };
-            let [found, opacity] = [g.name("color", "0"), g.name("float", "1")];
-            g.body.push_str(&format!("    getattribute({}, {found});\n", quoted(&color)));
+            let [found, opacity] = [g.name("color", "0"), g.name("float", "0")];
+            // A colour without opacity is opaque.
+            g.body.push_str(&format!("    {opacity} = getattribute({}, {found});\n", quoted(&color)));
             match call.out {
                 Ty::Float => vec![format!("{found}[0]")],
                 Ty::Color4 => {

@@ -7,8 +7,8 @@ pub(crate) const ALL: &[(&str, &str)] = &[
         "gnurt_edge",
         "// 0 before an edge and 1 behind it, smooth over a point's width.
 float gnurt_edge(float edge, float x) {
-    float width = 0.5 * filterwidth(x);
-    return width > 0 ? smoothstep(edge - width, edge + width, x) : (x < edge ? 0.0 : 1.0);
+    float width = filterwidth(x);
+    return width > 0 ? clamp((x - edge) / width + 0.5, 0.0, 1.0) : (x < edge ? 0.0 : 1.0);
 }
 ",
     ),
@@ -86,11 +86,11 @@ vector gnurt_fractal3_vector(point p, int octaves, float lacunarity, float dimin
     ),
     (
         "gnurt_worley",
-        "// Distances to the three closest of the points that cells hold; with style 1 the closest one's random numbers.
-vector gnurt_worley(point at, float jitter, int style, int dimensions) {
+        "// Distances to the three closest of the points that cells hold; with style 1 random numbers of the closest one's cell.
+vector gnurt_worley(point at, float jitter, int style, int dimensions, output point closest) {
     point cell = floor(at);
     vector best = vector(1e6);
-    point closest = point(0);
+    closest = point(0);
     int depth = dimensions == 3 ? 1 : 0;
     for (int k = -depth; k <= depth; k += 1) {
         for (int j = -1; j <= 1; j += 1) {
@@ -115,6 +115,12 @@ vector gnurt_worley(point at, float jitter, int style, int dimensions) {
     }
     if (style == 1) return dimensions == 3 ? (vector) cellnoise(closest) : (vector) cellnoise(closest[0], closest[1]);
     return sqrt(best);
+}
+float gnurt_worley_float(point at, float jitter, int style, int dimensions) {
+    point closest = 0;
+    vector found = gnurt_worley(at, jitter, 0, dimensions, closest);
+    if (style == 1) return dimensions == 3 ? (float) cellnoise(closest) : (float) cellnoise(closest[0], closest[1]);
+    return found[0];
 }
 ",
     ),
@@ -223,17 +229,10 @@ color gnurt_edge_color(color f0, color f90, float power) {
     ),
     (
         "gnurt_blackbody",
-        "// The Planckian locus at luminance 1.
+        "// The colour of a black body at luminance 1.
 color gnurt_blackbody(float kelvin) {
-    float t = 1000 / clamp(kelvin, 800.0, 25000.0);
-    float x = kelvin < 4000 ? 0.179910 + t * (0.8776956 + t * (-0.2343589 + t * -0.2661239))
-                            : 0.240390 + t * (0.2226347 + t * (2.1070379 + t * -3.0258469));
-    float y = -0.37001483 + x * (3.75112997 + x * (-5.87338670 + x * 3.0817580));
-    if (kelvin < 2222) y = -0.20219683 + x * (2.18555832 + x * (-1.34811020 + x * -1.1063814));
-    else if (kelvin < 4000) y = -0.16748867 + x * (2.09137015 + x * (-1.37418593 + x * -0.9549476));
-    float X = x / y, Z = (1 - x - y) / y;
-    return max(color(3.2406 * X - 1.5372 - 0.4986 * Z, -0.9689 * X + 1.8758 + 0.0415 * Z,
-                     0.0557 * X - 0.2040 + 1.0570 * Z), color(0));
+    color c = blackbody(max(kelvin, 1.0));
+    return c / max(luminance(c), 1e-8);
 }
 ",
     ),

@@ -75,7 +75,7 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
         }
         "clamp" => {
             let [value, low, high] = [g.arg(call, "in")?, g.arg(call, "low")?, g.arg(call, "high")?];
-            each(out, &[&value, &low, &high], |a| format!("min(max({}, {}), {})", a[0], a[1], a[2]))
+            each(out, &[&value, &low, &high], |a| format!("max(min({}, {}), {})", a[0], a[2], a[1]))
         }
         "smoothstep" => {
             let [value, low, high] = [g.arg(call, "in")?, g.arg(call, "low")?, g.arg(call, "high")?];

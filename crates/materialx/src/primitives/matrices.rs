@@ -70,7 +70,7 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
                     return Ok(Some(vec![format!("{turned}[0]"), format!("{turned}[1]")]));
                 }
                 (Ty::Vector3, "ND_transformmatrix_vector3M4") => {
-                    format!("vector(transform({m}, point({})))", value.first())
+                    format!("transform({m}, {})", value.first())
                 }
                 (Ty::Vector3, _) => format!("transform({m}, {})", value.first()),
                 _ => {

@@ -2,7 +2,6 @@
 //! Noise: the language's own gradient and cell noise, sums of octaves, and distances to jittered points [Wor96].
 
 use super::each;
-use super::parts::from_scalars;
 use crate::error::Error;
 use crate::generator::{Call, Generator};
 use crate::types::{Ty, Value};
@@ -25,6 +24,10 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
         true => format!("point({}) + point(19, 73, 29)", place.first()),
         false => format!("{} + 19, {} + 73", place.parts[0], place.parts[1]),
     };
+    let elsewhere = match is_3d {
+        true => format!("point({}) + point(19, 193, 17)", place.first()),
+        false => format!("{} + 19, {} + 193", place.parts[0], place.parts[1]),
+    };
     Ok(Some(match kind {
         "noise" => {
             let [amplitude, pivot] = [g.arg(call, "amplitude")?, g.arg(call, "pivot")?];
@@ -44,13 +47,11 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             let noise = match call.out {
                 Ty::Float => vec![sum("float", &at)],
                 Ty::Vector3 => vec![sum("vector", &at)],
-                out => {
+                Ty::Vector2 => vec![sum("float", &at), sum("float", &elsewhere)],
+                _ => {
                     let most = g.name("vector", &sum("vector", &at));
-                    let mut parts = vec![format!("{most}[0]"), format!("{most}[1]")];
-                    if out == Ty::Vector4 {
-                        parts.extend([format!("{most}[2]"), sum("float", &other)]);
-                    }
-                    parts
+                    let last = g.name("float", &sum("float", &elsewhere));
+                    vec![format!("{most}[0]"), format!("{most}[1]"), format!("{most}[2]"), last]
                 }
             };
             let noise = Value::new(call.out, noise);
@@ -61,11 +62,16 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             let at = if is_3d { at } else { format!("point({at}, 0)") };
             g.needs("gnurt_worley");
             let dimensions = if is_3d { 3 } else { 2 };
-            let found =
-                g.name("vector", &format!("gnurt_worley({at}, {}, {}, {dimensions})", jitter.first(), style.first()));
-            match call.out {
-                Ty::Vector3 => vec![found],
-                out => from_scalars(out, &[format!("{found}[0]"), format!("{found}[1]")][..out.parts().len()]),
+            let rest = format!("{at}, {}, {}, {dimensions}", jitter.first(), style.first());
+            if call.out == Ty::Float {
+                vec![format!("gnurt_worley_float({rest})")]
+            } else {
+                let cell = g.name("point", "0");
+                let found = g.name("vector", &format!("gnurt_worley({rest}, {cell})"));
+                match call.out {
+                    Ty::Vector3 => vec![found],
+                    _ => vec![format!("{found}[0]"), format!("{found}[1]")],
+                }
             }
         }
     }))
