@@ -125,6 +125,11 @@ impl<'a> Generator<'a> {
         }
     }
 
+    /// Whether a node is one of the document's, and not of a definition's graph.
+    pub(crate) fn is_of_document(&self, call: &Call<'a>) -> bool {
+        self.scopes[call.scope].is_document
+    }
+
     /// Says once what is left out.
     pub(crate) fn warn(&mut self, call: &Call<'a>, what: impl Into<String>) {
         let fault = self.fault(call.scope, call.node, what).to_string();
@@ -424,6 +429,13 @@ impl<'a> Generator<'a> {
             return Ok(*known);
         }
         self.charge(outer, node)?;
+        let is_thin = ["thin_walled", "geometry_thin_walled"]
+            .iter()
+            .any(|name| node.child("input", name).is_some_and(|input| input.get("value") == Some("true")));
+        if is_thin && self.scopes[outer].is_document {
+            let left_out = self.fault(outer, node, "thin_walled is left out, glass is solid").to_string();
+            self.warnings.push(left_out);
+        }
         let user = &self.scopes[outer];
         let is_main = self.main == Some(std::ptr::from_ref(node));
         let path = match (user.path.is_empty(), is_main) {

@@ -143,7 +143,8 @@ impl Script {
         let written = mtlx::written(file, node, text, access)?;
         let mut script = Self::made(file, &written.text, access, written.files)?;
         script.origin = Some(path.to_owned());
-        script.warnings.splice(0..0, written.warnings);
+        // Those of the compiler are about a text that the document's author has not written.
+        script.warnings = written.warnings;
         Ok(script)
     }
 

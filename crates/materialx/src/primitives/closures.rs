@@ -178,7 +178,7 @@ fn shader<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Opti
     let part = match node {
         "surface" => {
             let [bsdf, edf, opacity, thin] = all(g, call, ["bsdf", "edf", "opacity", "thin_walled"])?;
-            if thin.text.as_deref() == Some("true") {
+            if thin.text.as_deref() == Some("true") && g.is_of_document(call) {
                 g.warn(call, "thin_walled is left out, glass is solid");
             }
             let light = match (bsdf.first(), edf.first()) {
