@@ -82,7 +82,12 @@ impl Shaders {
     }
 
     /// A light in the shading language.
-    fn put_light(&mut self, choice: &ShaderChoice, access: &Access, messages: Messages) -> Result<(), Failure> {
+    fn put_light(
+        &mut self,
+        choice: &ShaderChoice,
+        access: &Access,
+        messages: Messages,
+    ) -> Result<(), Failure> {
         let (script, file) = (script("--shader", choice, access, messages)?, &choice.class);
         let right = match script.kind() {
             Kind::Light => None,

@@ -81,7 +81,9 @@ impl Document {
                 true => element.name().to_owned(),
                 false => format!("{namespace}:{}", element.name()),
             };
-            if !name.is_empty() && self.by_name.insert(name.clone(), i).is_some() && element.get("name").is_some()
+            if !name.is_empty()
+                && self.by_name.insert(name.clone(), i).is_some()
+                && element.get("name").is_some()
             {
                 let (path, line) = (self.files[element.file as usize].path.display(), element.line);
                 self.warnings.push(format!("{path}:{line}: '{name}' is there twice, the last one counts"));
@@ -96,7 +98,8 @@ impl Document {
 
     /// An element of a root, as an element of the same document, or nothing, calls it.
     pub(crate) fn find(&self, name: &str, user: Option<&Element>) -> Option<&Element> {
-        let namespace = user.and_then(|user| self.files.get(user.file as usize)).map_or("", |f| &*f.namespace);
+        let namespace =
+            user.and_then(|user| self.files.get(user.file as usize)).map_or("", |f| &*f.namespace);
         let own = (!namespace.is_empty()).then(|| self.by_name.get(&format!("{namespace}:{name}"))).flatten();
         own.or_else(|| self.by_name.get(name)).map(|i| &self.root.children[*i])
     }
@@ -135,7 +138,9 @@ impl Document {
                     names.extend(element.all("output").map(|output| format!("{name}/{}", output.name())));
                 }
                 "nodegraph" | "nodedef" | "typedef" | "implementation" | "look" | "collection" | "token" => {}
-                _ if !element.ty().is_empty() && element.ty() != "material" => names.push(self.full_name(element)),
+                _ if !element.ty().is_empty() && element.ty() != "material" => {
+                    names.push(self.full_name(element))
+                }
                 _ => {}
             }
         }
@@ -174,7 +179,9 @@ impl Opener<'_> {
                 self.document.root.children.push(element);
                 continue;
             }
-            let href = element.given("href").ok_or_else(|| fault(element.line, "xi:include names no file".into()))?;
+            let href = element
+                .given("href")
+                .ok_or_else(|| fault(element.line, "xi:include names no file".into()))?;
             let target = path.parent().unwrap_or(Path::new("")).join(href);
             if self.open.contains(&clean(&target)) {
                 return Err(fault(element.line, format!("'{href}' includes itself")));

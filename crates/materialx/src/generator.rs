@@ -178,7 +178,9 @@ impl<'a> Generator<'a> {
     /// Whether an input is connected to something, or has a value that is not empty.
     pub(crate) fn is_given(&self, call: &Call<'a>, name: &str) -> bool {
         call.node.child("input", name).is_some_and(|input| {
-            ["value", "nodename", "nodegraph", "interfacename", "output"].iter().any(|a| input.given(a).is_some())
+            ["value", "nodename", "nodegraph", "interfacename", "output"]
+                .iter()
+                .any(|a| input.given(a).is_some())
         })
     }
 
@@ -251,13 +253,15 @@ impl<'a> Generator<'a> {
             Some(self.output(scope, node, port.given("output"), port)?)
         } else if let Some(name) = port.given("nodegraph") {
             let outer = if self.scopes[scope].graph.is_some() { self.scopes[scope].outer } else { scope };
-            let found = [scope, outer, 0].into_iter().find_map(|at| self.node(at, port, name).map(|node| (at, node)));
+            let found =
+                [scope, outer, 0].into_iter().find_map(|at| self.node(at, port, name).map(|node| (at, node)));
             let Some((at, graph)) = found.filter(|(_, graph)| *graph.tag == *"nodegraph") else {
                 return Err(self.fault(scope, port, format!("there is no node graph '{name}'")));
             };
             Some(self.output(at, graph, port.given("output"), port)?)
         } else if let Some(name) = port.given("output") {
-            let found = [scope, 0].into_iter().find_map(|at| self.node(at, port, name).map(|node| (at, node)));
+            let found =
+                [scope, 0].into_iter().find_map(|at| self.node(at, port, name).map(|node| (at, node)));
             let Some((at, output)) = found else {
                 return Err(self.fault(scope, port, format!("there is no output '{name}'")));
             };
@@ -301,7 +305,8 @@ impl<'a> Generator<'a> {
                 Some(self.input(outer, node, def, name)?)
             }
             (None, Some(graph)) => {
-                let Some(input) = graph.child("input", name).or_else(|| graph.child("parameter", name)) else {
+                let Some(input) = graph.child("input", name).or_else(|| graph.child("parameter", name))
+                else {
                     return Err(self.fault(scope, port, format!("the graph has no input '{name}'")));
                 };
                 let ty = Ty::of(input.ty()).unwrap_or(Ty::Float);
@@ -391,9 +396,18 @@ impl<'a> Generator<'a> {
                 self.charge(scope, node)?;
                 let out = self.known.outputs(def).first().and_then(|output| Ty::of(output.ty()));
                 let Some(out) = out else {
-                    return Err(self.fault(scope, node, format!("'{}' has no output of a known type", def.name())));
+                    return Err(self.fault(
+                        scope,
+                        node,
+                        format!("'{}' has no output of a known type", def.name()),
+                    ));
                 };
-                let _ = writeln!(self.body, "    // {}{}", comment(&self.scopes[scope].path), comment(node.name()));
+                let _ = writeln!(
+                    self.body,
+                    "    // {}{}",
+                    comment(&self.scopes[scope].path),
+                    comment(node.name())
+                );
                 let outputs = primitives::emit(self, &Call { node, def, scope, out })?;
                 self.done.insert(place, outputs);
             }
@@ -405,7 +419,9 @@ impl<'a> Generator<'a> {
             _ => outputs.first(),
         };
         let value = found.map(|(_, value)| value.clone());
-        value.ok_or_else(|| self.fault(scope, user, format!("'{}' has no output '{}'", node.name(), name.unwrap_or(""))))
+        value.ok_or_else(|| {
+            self.fault(scope, user, format!("'{}' has no output '{}'", node.name(), name.unwrap_or("")))
+        })
     }
 
     fn charge(&mut self, scope: usize, node: &'a Element) -> Result<(), Error> {
@@ -468,7 +484,8 @@ impl<'a> Generator<'a> {
         user: &'a Element,
     ) -> Result<Value, Error> {
         let graph = self.scopes[inner].graph.unwrap_or(node);
-        let outputs: Vec<&'a Element> = graph.children.iter().filter(|child| *child.tag == *"output").collect();
+        let outputs: Vec<&'a Element> =
+            graph.children.iter().filter(|child| *child.tag == *"output").collect();
         let found = match (name, &outputs[..]) {
             // A graph with one output has it by any name.
             (_, [only]) => Some(*only),
@@ -485,7 +502,14 @@ impl<'a> Generator<'a> {
     }
 
     /// The value as another type.
-    fn coerced(&mut self, scope: usize, node: &'a Element, name: &str, value: Value, ty: Ty) -> Result<Value, Error> {
+    fn coerced(
+        &mut self,
+        scope: usize,
+        node: &'a Element,
+        name: &str,
+        value: Value,
+        ty: Ty,
+    ) -> Result<Value, Error> {
         if value.ty == ty || value.ty.parts() == ty.parts() {
             return Ok(Value { ty, ..value });
         }
@@ -534,9 +558,12 @@ impl<'a> Generator<'a> {
                 vec![self.parameter(kinds[0], &path, value.first())]
             } else {
                 let list = numbers.iter().map(|x| crate::types::number(*x)).collect::<Vec<_>>().join(", ");
-                let name = self.parameter(&format!("float[{}]", numbers.len()), &path, &format!("{{{list}}}"));
+                let name =
+                    self.parameter(&format!("float[{}]", numbers.len()), &path, &format!("{{{list}}}"));
                 match ty {
-                    Ty::Color4 => vec![format!("color({name}[0], {name}[1], {name}[2])"), format!("{name}[3]")],
+                    Ty::Color4 => {
+                        vec![format!("color({name}[0], {name}[1], {name}[2])"), format!("{name}[3]")]
+                    }
                     _ => (0..numbers.len()).map(|i| format!("{name}[{i}]")).collect(),
                 }
             };
@@ -595,7 +622,13 @@ impl<'a> Generator<'a> {
     }
 
     /// A value in the unit that a definition counts in.
-    fn in_unit(&mut self, scope: usize, port: &'a Element, value: Value, wanted: Option<&str>) -> Result<Value, Error> {
+    fn in_unit(
+        &mut self,
+        scope: usize,
+        port: &'a Element,
+        value: Value,
+        wanted: Option<&str>,
+    ) -> Result<Value, Error> {
         let Some(given) = port.given("unit").filter(|given| Some(*given) != wanted) else { return Ok(value) };
         let (own, all) = (&self.known.own, self.known.embedded);
         let ty = own.unit_type(given).or_else(|| all.unit_type(given));
@@ -619,7 +652,8 @@ impl<'a> Generator<'a> {
         let mut rest = text;
         while let Some((before, after)) = rest.split_once('[') {
             out.push_str(before);
-            let found = after.split_once(']').and_then(|(name, after)| Some((self.token(scope, name)?, after)));
+            let found =
+                after.split_once(']').and_then(|(name, after)| Some((self.token(scope, name)?, after)));
             match found {
                 // Tokens within tokens end somewhere.
                 Some((value, after)) if depth < 4 && out.len() < 4096 => {
@@ -652,7 +686,8 @@ impl<'a> Generator<'a> {
 
     /// A geometric property that inputs have by default.
     fn property(&mut self, scope: usize, at: &'a Element, name: &str) -> Result<Value, Error> {
-        let def = self.known.own.geomprops.get(name).or_else(|| self.known.embedded.geomprops.get(name)).copied();
+        let def =
+            self.known.own.geomprops.get(name).or_else(|| self.known.embedded.geomprops.get(name)).copied();
         let Some(def) = def else {
             return Err(self.fault(scope, at, format!("unknown geometric property '{name}'")));
         };

@@ -68,7 +68,9 @@ impl<'a> Definitions<'a> {
                     }
                 }
                 "implementation" => {
-                    if let (Some(nodedef), Some(graph)) = (element.given("nodedef"), element.given("nodegraph")) {
+                    if let (Some(nodedef), Some(graph)) =
+                        (element.given("nodedef"), element.given("nodegraph"))
+                    {
                         all.implemented.insert(nodedef, graph);
                     }
                 }

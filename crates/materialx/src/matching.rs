@@ -23,7 +23,11 @@ pub(crate) struct Known<'a> {
 impl<'a> Known<'a> {
     pub(crate) fn nodedef(&self, name: &str) -> Option<&'a Element> {
         // The files of a namespace may call their own definitions without it.
-        let short = name.rsplit(':').next().unwrap_or(name);
+        let short = match name.rsplit(':').next().unwrap_or(name) {
+            // Its name until 1.38.
+            "ND_normalmap" => "ND_normalmap_float",
+            short => short,
+        };
         self.own.nodedef(name).or_else(|| self.own.nodedef(short)).or_else(|| self.embedded.nodedef(short))
     }
 
@@ -34,7 +38,8 @@ impl<'a> Known<'a> {
     /// The definition and those that it inherits from, the closest first.
     pub(crate) fn line(&self, def: &'a Element) -> Vec<&'a Element> {
         let mut line = vec![def];
-        while let Some(parent) = line.last().and_then(|def| def.given("inherit")).and_then(|name| self.nodedef(name))
+        while let Some(parent) =
+            line.last().and_then(|def| def.given("inherit")).and_then(|name| self.nodedef(name))
             && line.len() < LONGEST
         {
             line.push(parent);
@@ -90,14 +95,15 @@ impl<'a> Known<'a> {
             let (tag, ty) = (&node.tag, node.ty());
             return Err(format!("there is no node '{tag}' of type '{ty}'; types are {}", types.join(", ")));
         }
-        let version = |def: &&&'a Element| node.given("version").is_none_or(|v| def.get("version") == Some(v));
+        let version =
+            |def: &&&'a Element| node.given("version").is_none_or(|v| def.get("version") == Some(v));
         let versioned: Vec<&'a Element> = typed.iter().filter(version).copied().collect();
         let candidates = if versioned.is_empty() { typed } else { versioned };
         // The one with most of the node's inputs; of equal ones the default version.
         let fits = |def: &'a Element| {
-            let inputs = node.all("input").filter(|input| {
-                self.input(def, input.name()).is_some_and(|known| known.ty() == input.ty())
-            });
+            let inputs = node
+                .all("input")
+                .filter(|input| self.input(def, input.name()).is_some_and(|known| known.ty() == input.ty()));
             (inputs.count(), def.get("isdefaultversion") == Some("true"), def.given("version").is_none())
         };
         let mut best = candidates[0];

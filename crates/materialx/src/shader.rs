@@ -62,7 +62,8 @@ impl Document {
             (None, Some((graph, output))) => (self.find(graph, None), Some(output)),
             (None, None) => (None, None),
         };
-        let Some(node) = node.filter(|node| !matches!(&*node.tag, "nodedef" | "look" | "implementation")) else {
+        let Some(node) = node.filter(|node| !matches!(&*node.tag, "nodedef" | "look" | "implementation"))
+        else {
             let mut all = self.materials();
             all.extend(self.shown());
             let path = self.paths().next().unwrap_or(std::path::Path::new(""));
@@ -123,6 +124,7 @@ fn written(name: &str, g: &Generator<'_>, value: &Value) -> String {
         let _ = writeln!(set, "    Ci = uniform_edf({color});");
     }
     let parameters: Vec<String> = parameters.into_iter().map(|line| format!("    {line}")).collect();
-    let _ = write!(text, "surface {}(\n{}\n) {{\n{}{set}}}\n", identifier(name), parameters.join(",\n"), g.body);
+    let _ =
+        write!(text, "surface {}(\n{}\n) {{\n{}{set}}}\n", identifier(name), parameters.join(",\n"), g.body);
     text
 }

@@ -47,8 +47,10 @@ fn files_are_included_with_their_namespaces() {
     let inner = "<materialx version=\"1.38\" namespace=\"in\"><constant name=\"c\" type=\"float\">\
                  <input name=\"value\" type=\"float\" value=\"9\"/></constant>\
                  <surfacematerial name=\"M\" type=\"material\"/></materialx>";
-    let outer = document("<xi:include href=\"sub/inner.mtlx\"/><dot name=\"n\" type=\"float\">\
-                          <input name=\"in\" type=\"float\" nodename=\"in:c\"/></dot>");
+    let outer = document(
+        "<xi:include href=\"sub/inner.mtlx\"/><dot name=\"n\" type=\"float\">\
+                          <input name=\"in\" type=\"float\" nodename=\"in:c\"/></dot>",
+    );
     let files = [("sub/inner.mtlx", inner.to_owned())];
     let made = shader(&outer, &files, Some("n")).expect("a shader");
     assert!(made.text.contains("= 9.0"), "{}", made.text);

@@ -43,7 +43,9 @@ fn broken_files_name_their_line() {
 #[test]
 fn cycles_end() {
     let node = |name: &str, other: &str| {
-        format!("<dot name=\"{name}\" type=\"float\"><input name=\"in\" type=\"float\" nodename=\"{other}\"/></dot>")
+        format!(
+            "<dot name=\"{name}\" type=\"float\"><input name=\"in\" type=\"float\" nodename=\"{other}\"/></dot>"
+        )
     };
     refused(&document(&format!("{}{}", node("n", "m"), node("m", "n"))), "depends on itself");
     refused(&document(&node("n", "n")), "depends on itself");

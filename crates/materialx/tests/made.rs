@@ -17,7 +17,8 @@ pub(crate) fn shader(text: &str, files: &[(&str, String)], name: Option<&str>) -
         let found = files.iter().find(|(name, _)| Path::new(name) == path);
         found.map(|(_, text)| text.clone()).ok_or_else(|| format!("{}: no file", path.display()))
     };
-    let document = Document::of_text(Path::new("t.mtlx"), text, &mut load).map_err(|error| error.to_string())?;
+    let document =
+        Document::of_text(Path::new("t.mtlx"), text, &mut load).map_err(|error| error.to_string())?;
     document.shader(name).map_err(|error| error.to_string())
 }
 
@@ -32,7 +33,9 @@ pub(crate) fn compiled(text: &str) -> Result<(), String> {
     let made = gnurt_sl::compile("t.osl", text, &gnurt_sl::Options::default(), &none);
     match made.shader {
         Some(_) => Ok(()),
-        None => Err(made.diagnostics.list.iter().map(|d| format!("{}: {}; ", d.loc.line, d.message)).collect()),
+        None => {
+            Err(made.diagnostics.list.iter().map(|d| format!("{}: {}; ", d.loc.line, d.message)).collect())
+        }
     }
 }
 

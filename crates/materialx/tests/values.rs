@@ -5,7 +5,10 @@ use crate::made::{generated, value};
 
 fn near(elements: &str, expected: f32) {
     let found = value(elements, "n");
-    assert!((found - expected).abs() < 1e-5 * expected.abs().max(1.0), "{elements}: {found} is not {expected}");
+    assert!(
+        (found - expected).abs() < 1e-5 * expected.abs().max(1.0),
+        "{elements}: {found} is not {expected}"
+    );
 }
 
 /// A node of floats.

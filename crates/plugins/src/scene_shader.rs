@@ -257,7 +257,8 @@ mod tests {
         let [broken, missing] = ["broken.so", "missing.so"].map(|name| folder.path().join(name));
         std::fs::write(&broken, "no library").expect("a file");
         for (file, name) in [(&broken, "broken.so"), (&missing, "missing.so")] {
-            let found = SceneShader::new("x", Some(file), &[], &Access::default()).err().expect("it is wrong");
+            let found =
+                SceneShader::new("x", Some(file), &[], &Access::default()).err().expect("it is wrong");
             assert!(found.contains(name) && !found.contains(".tmp"), "{found}");
         }
     }

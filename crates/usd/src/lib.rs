@@ -19,6 +19,7 @@ mod lights;
 mod load;
 mod material;
 mod mesh;
+mod mtlx;
 mod network;
 mod package;
 mod pose;

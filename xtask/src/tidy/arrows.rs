@@ -13,7 +13,7 @@ const ARROWS: [(&str, &[&str]); 29] = [
     ("image", &[]),
     ("denoise", &["simd", "image"]),
     ("scene", &["image"]),
-    ("usd", &["image", "scene"]),
+    ("usd", &["image", "scene", "materialx"]),
     ("shading", &["simd", "image", "accel"]),
     ("materialx", &[]),
     ("sl-lib", &[]),

@@ -7,7 +7,11 @@ use crate::generator::{Call, Generator};
 use crate::types::{Ty, Value};
 
 /// Several inputs.
-fn all<'a, const N: usize>(g: &mut Generator<'a>, call: &Call<'a>, names: [&str; N]) -> Result<[Value; N], Error> {
+fn all<'a, const N: usize>(
+    g: &mut Generator<'a>,
+    call: &Call<'a>,
+    names: [&str; N],
+) -> Result<[Value; N], Error> {
     let mut values = Vec::new();
     for name in names {
         values.push(g.arg(call, name)?);
@@ -21,15 +25,18 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
         "oren_nayar_diffuse_bsdf" => {
             let names = ["weight", "normal", "color", "roughness", "energy_compensation"];
             let [w, n, color, roughness, keeps] = all(g, call, names)?.map(|value| value.first().to_owned());
-            format!("{w} * oren_nayar_diffuse_bsdf({n}, {color}, {roughness}, \"energy_compensation\", {keeps})")
+            format!(
+                "{w} * oren_nayar_diffuse_bsdf({n}, {color}, {roughness}, \"energy_compensation\", {keeps})"
+            )
         }
         "burley_diffuse_bsdf" => {
-            let [w, n, color, roughness] =
-                all(g, call, ["weight", "normal", "color", "roughness"])?.map(|value| value.first().to_owned());
+            let [w, n, color, roughness] = all(g, call, ["weight", "normal", "color", "roughness"])?
+                .map(|value| value.first().to_owned());
             format!("{w} * burley_diffuse_bsdf({n}, {color}, {roughness})")
         }
         "translucent_bsdf" => {
-            let [w, n, color] = all(g, call, ["weight", "normal", "color"])?.map(|value| value.first().to_owned());
+            let [w, n, color] =
+                all(g, call, ["weight", "normal", "color"])?.map(|value| value.first().to_owned());
             format!("{w} * translucent_bsdf({n}, {color})")
         }
         "subsurface_bsdf" => {
@@ -39,20 +46,24 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
         }
         "sheen_bsdf" => {
             let mode = g.word(call, "mode")?;
-            let [w, n, color, roughness] =
-                all(g, call, ["weight", "normal", "color", "roughness"])?.map(|value| value.first().to_owned());
+            let [w, n, color, roughness] = all(g, call, ["weight", "normal", "color", "roughness"])?
+                .map(|value| value.first().to_owned());
             let mode = i32::from(mode == "zeltner");
             format!("{w} * sheen_bsdf({n}, {color}, {roughness}, \"mode\", {mode})")
         }
         "dielectric_bsdf" => {
-            let [w, tint, ior] = all(g, call, ["weight", "tint", "ior"])?.map(|value| value.first().to_owned());
+            let [w, tint, ior] =
+                all(g, call, ["weight", "tint", "ior"])?.map(|value| value.first().to_owned());
             let (facets, film) = facets(g, call)?;
             let [mirrored, through] = scattered(g, call, &tint)?;
             let [n, t, x, y, distribution] = facets;
-            format!("{w} * dielectric_bsdf({n}, {t}, {mirrored}, {through}, {x}, {y}, {ior}, {distribution}{film})")
+            format!(
+                "{w} * dielectric_bsdf({n}, {t}, {mirrored}, {through}, {x}, {y}, {ior}, {distribution}{film})"
+            )
         }
         "conductor_bsdf" => {
-            let [w, ior, k] = all(g, call, ["weight", "ior", "extinction"])?.map(|value| value.first().to_owned());
+            let [w, ior, k] =
+                all(g, call, ["weight", "ior", "extinction"])?.map(|value| value.first().to_owned());
             let ([n, t, x, y, distribution], film) = facets(g, call)?;
             format!("{w} * conductor_bsdf({n}, {t}, {x}, {y}, {ior}, {k}, {distribution}{film})")
         }
@@ -70,10 +81,12 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             )
         }
         "chiang_hair_bsdf" => {
-            let tints = all(g, call, ["tint_R", "tint_TT", "tint_TRT"])?.map(|value| value.first().to_owned());
+            let tints =
+                all(g, call, ["tint_R", "tint_TT", "tint_TRT"])?.map(|value| value.first().to_owned());
             let widths = all(g, call, ["roughness_R", "roughness_TT", "roughness_TRT"])?;
             let names = ["normal", "curve_direction", "ior", "cuticle_angle", "absorption_coefficient"];
-            let [n, along, ior, angle, absorption] = all(g, call, names)?.map(|value| value.first().to_owned());
+            let [n, along, ior, angle, absorption] =
+                all(g, call, names)?.map(|value| value.first().to_owned());
             let width = |i: usize| widths.iter().map(|w| w.parts[i].clone()).collect::<Vec<_>>().join(", ");
             format!(
                 "chiang_hair_bsdf({n}, {along}, {}, {ior}, {}, {}, {angle}, color({absorption}))",
@@ -134,7 +147,9 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             let [a, b] = all(g, call, ["in1", "in2"])?.map(|value| value.first().to_owned());
             scaled(&b, &a)
         }
-        "dot" if call.out.is_closure() || call.out == Ty::Displacement => g.arg(call, "in")?.first().to_owned(),
+        "dot" if call.out.is_closure() || call.out == Ty::Displacement => {
+            g.arg(call, "in")?.first().to_owned()
+        }
         _ => return shader(g, call, &node),
     };
     // Zero is no closure of its own.
@@ -148,19 +163,25 @@ fn scaled(factor: &str, closure: &str) -> String {
 
 /// Closures together.
 fn sum(closures: &[String]) -> String {
-    let there: Vec<&str> = closures.iter().map(|closure| &**closure).filter(|closure| *closure != "0").collect();
+    let there: Vec<&str> =
+        closures.iter().map(|closure| &**closure).filter(|closure| *closure != "0").collect();
     if there.is_empty() { "0".to_owned() } else { there.join(" + ") }
 }
 
 /// The frame, widths and distribution of microfacets; and the arguments of their film.
 fn facets<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<([String; 5], String), Error> {
-    let [roughness, n, t, thickness, index, distribution] =
-        all(g, call, ["roughness", "normal", "tangent", "thinfilm_thickness", "thinfilm_ior", "distribution"])?;
+    let [roughness, n, t, thickness, index, distribution] = all(
+        g,
+        call,
+        ["roughness", "normal", "tangent", "thinfilm_thickness", "thinfilm_ior", "distribution"],
+    )?;
     if g.arg(call, "retroreflective")?.text.as_deref() == Some("true") {
         g.warn(call, "retroreflection is left out");
     }
     let film = match g.is_given(call, "thinfilm_thickness") {
-        true => format!(", \"thinfilm_thickness\", {}, \"thinfilm_ior\", {}", thickness.first(), index.first()),
+        true => {
+            format!(", \"thinfilm_thickness\", {}, \"thinfilm_ior\", {}", thickness.first(), index.first())
+        }
         false => String::new(),
     };
     let [x, y] = [0, 1].map(|i: usize| roughness.parts[i].clone());
@@ -197,7 +218,8 @@ fn shader<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Opti
         }
         "surface_unlit" => {
             let names = ["emission", "emission_color", "transmission", "transmission_color", "opacity"];
-            let [e, e_color, t, t_color, opacity] = all(g, call, names)?.map(|value| value.first().to_owned());
+            let [e, e_color, t, t_color, opacity] =
+                all(g, call, names)?.map(|value| value.first().to_owned());
             let through = g.name("float", &format!("clamp({t}, 0.0, 1.0)"));
             let share = g.name("float", &format!("clamp({opacity}, 0.0, 1.0)"));
             let light = format!("{share} * (1 - {through}) * {e} * uniform_edf({e_color})");
@@ -205,7 +227,8 @@ fn shader<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Opti
             g.name("closure color", &format!("{light} + {clear}"))
         }
         "surfacematerial" => {
-            let [front, back, moved] = all(g, call, ["surfaceshader", "backsurfaceshader", "displacementshader"])?;
+            let [front, back, moved] =
+                all(g, call, ["surfaceshader", "backsurfaceshader", "displacementshader"])?;
             if g.is_given(call, "displacementshader") && moved.first() != "vector(0)" {
                 g.warn(call, "displacement is left out");
             }
@@ -246,7 +269,8 @@ pub(crate) fn emit_light<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<O
         }
         "directional_light" | "point_light" | "spot_light" => {
             g.warn(call, "lights of documents are left out");
-            let [color, intensity] = all(g, call, ["color", "intensity"])?.map(|value| value.first().to_owned());
+            let [color, intensity] =
+                all(g, call, ["color", "intensity"])?.map(|value| value.first().to_owned());
             format!("{intensity} * uniform_edf({color})")
         }
         _ => return Ok(None),

@@ -50,7 +50,8 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
 
 fn over<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Vec<String>, Error> {
     let [f, b, mix] = [g.arg(call, "fg")?, g.arg(call, "bg")?, g.arg(call, "mix")?];
-    let [[f_color, f_alpha], [b_color, b_alpha]] = [&f, &b].map(|value: &Value| [&value.parts[0], &value.parts[1]]);
+    let [[f_color, f_alpha], [b_color, b_alpha]] =
+        [&f, &b].map(|value: &Value| [&value.parts[0], &value.parts[1]]);
     let (color, alpha) = match node {
         "in" => (format!("{f_color} * {b_alpha}"), format!("{f_alpha} * {b_alpha}")),
         "mask" => (format!("{b_color} * {f_alpha}"), format!("{b_alpha} * {f_alpha}")),
@@ -65,7 +66,10 @@ fn over<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Vec<St
         ),
         _ => {
             let sum = g.name("float", &format!("{f_alpha} + {b_alpha}"));
-            let share = g.name("float", &format!("({sum} <= 1.0 || {b_alpha} <= 0 ? 1.0 : (1.0 - {f_alpha}) / {b_alpha})"));
+            let share = g.name(
+                "float",
+                &format!("({sum} <= 1.0 || {b_alpha} <= 0 ? 1.0 : (1.0 - {f_alpha}) / {b_alpha})"),
+            );
             (format!("{f_color} + {b_color} * {share}"), format!("min({sum}, 1.0)"))
         }
     };

@@ -18,13 +18,18 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Outputs
         a.push(g.arg(call, name)?.first().to_owned());
     }
     g.needs("gnurt_flake");
-    let outputs = [("id", Ty::Integer), ("rand", Ty::Float), ("presence", Ty::Float), ("flakenormal", Ty::Vector3)];
+    let outputs =
+        [("id", Ty::Integer), ("rand", Ty::Float), ("presence", Ty::Float), ("flakenormal", Ty::Vector3)];
     let named: Vec<(String, Value)> = outputs
         .into_iter()
         .map(|(name, ty)| (name.to_owned(), Value::new(ty, vec![g.name(ty.parts()[0], "0")])))
         .collect();
     let names: Vec<&str> = named.iter().map(|(_, value)| value.first()).collect();
     let dimensions = if call.category() == "flake3d" { 3 } else { 2 };
-    g.body.push_str(&format!("    gnurt_flake({place}, {dimensions}, {}, {});\n", a.join(", "), names.join(", ")));
+    g.body.push_str(&format!(
+        "    gnurt_flake({place}, {dimensions}, {}, {});\n",
+        a.join(", "),
+        names.join(", ")
+    ));
     Ok(named)
 }

@@ -6,7 +6,13 @@ use crate::generator::{Call, Generator};
 use crate::types::{Ty, Value, quoted};
 
 /// A geometric property by its kind, space and index.
-pub(crate) fn property(g: &mut Generator<'_>, ty: Ty, kind: &str, space: &str, index: &str) -> Result<Value, String> {
+pub(crate) fn property(
+    g: &mut Generator<'_>,
+    ty: Ty,
+    kind: &str,
+    space: &str,
+    index: &str,
+) -> Result<Value, String> {
     let is_own = matches!(space, "object" | "model" | "");
     let parts = match kind {
         "position" if is_own => vec![g.name("vector", "vector(transform(\"object\", P))")],
@@ -83,7 +89,8 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
         "time" => vec!["time".to_owned()],
         "frame" => {
             let frame = g.name("float", "1");
-            g.body.push_str(&format!("    if (!getattribute(\"frame\", {frame})) {frame} = 1 + time * 24;\n"));
+            g.body
+                .push_str(&format!("    if (!getattribute(\"frame\", {frame})) {frame} = 1 + time * 24;\n"));
             vec![frame]
         }
         "transformpoint" | "transformvector" | "transformnormal" => {
@@ -145,5 +152,8 @@ fn attribute<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Vec<String>, 
     let n = default.scalars();
     let list = g.list(n.len(), &n.join(", "));
     g.body.push_str(&format!("    getattribute({name}, {list});\n"));
-    Ok(super::parts::from_scalars(call.out, &(0..n.len()).map(|i| format!("{list}[{i}]")).collect::<Vec<_>>()))
+    Ok(super::parts::from_scalars(
+        call.out,
+        &(0..n.len()).map(|i| format!("{list}[{i}]")).collect::<Vec<_>>(),
+    ))
 }

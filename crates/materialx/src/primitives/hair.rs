@@ -31,7 +31,10 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             let roughness = g.arg(call, "roughness")?;
             let [x, y] = [&roughness.parts[0], &roughness.parts[1]];
             let y = g.name("float", &format!("({y} < 0 ? {x} : {y})"));
-            return Ok(Some(vec![format!("clamp({x} * {x}, 1e-8, 1.0)"), format!("clamp({y} * {y}, 1e-8, 1.0)")]));
+            return Ok(Some(vec![
+                format!("clamp({x} * {x}, 1e-8, 1.0)"),
+                format!("clamp({y} * {y}, 1e-8, 1.0)"),
+            ]));
         }
         "blackbody" => {
             g.needs("gnurt_blackbody");
@@ -51,7 +54,8 @@ pub(crate) fn roughness<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Ou
     let [along, around] = ["clamp($, 0.001, 1.0)"; 2].map(str::to_owned);
     let along = g.name("float", &along.replace('$', &a[0]));
     let around = g.name("float", &around.replace('$', &a[1]));
-    let root = g.name("float", &format!("0.726 * {along} + 0.812 * {along} * {along} + 3.7 * pow({along}, 20.0)"));
+    let root =
+        g.name("float", &format!("0.726 * {along} + 0.812 * {along} * {along} + 3.7 * pow({along}, 20.0)"));
     let first = g.name("float", &format!("{root} * {root}"));
     let azimuth = format!("0.265 * {around} + 1.194 * {around} * {around} + 5.372 * pow({around}, 22.0)");
     let azimuth = g.name("float", &azimuth);

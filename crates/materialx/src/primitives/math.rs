@@ -46,10 +46,12 @@ const TWO: [(&str, &str); 11] = [
 
 pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<Vec<String>>, Error> {
     let (node, out) = (call.category().to_owned(), call.out);
-    if out.is_closure() || matches!(out, Ty::Matrix33 | Ty::Matrix44 | Ty::Displacement) && !is_choice(&node) {
+    if out.is_closure() || matches!(out, Ty::Matrix33 | Ty::Matrix44 | Ty::Displacement) && !is_choice(&node)
+    {
         return Ok(None);
     }
-    let find = |table: &[(&str, &'static str)]| table.iter().find(|(name, _)| *name == node).map(|(_, form)| *form);
+    let find =
+        |table: &[(&str, &'static str)]| table.iter().find(|(name, _)| *name == node).map(|(_, form)| *form);
     if let Some(form) = find(&ONE) {
         let value = g.arg(call, if node == "constant" { "value" } else { "in" })?;
         if out.is_text() {
@@ -119,7 +121,8 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             let [value, amount] = [g.arg(call, "in")?, g.arg(call, "amount")?];
             let [x, y] = [&value.parts[0], &value.parts[1]];
             let angle = g.name("float", &format!("radians({})", amount.first()));
-            let [c, s] = [g.name("float", &format!("cos({angle})")), g.name("float", &format!("sin({angle})"))];
+            let [c, s] =
+                [g.name("float", &format!("cos({angle})")), g.name("float", &format!("sin({angle})"))];
             vec![format!("{c} * {x} + {s} * {y}"), format!("{c} * {y} - {s} * {x}")]
         }
         "rotate3d" => {
@@ -169,7 +172,8 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
         "luminance" => {
             let [value, weights] = [g.arg(call, "in")?, g.arg(call, "lumacoeffs")?];
             let [color, weights] = [value.scalars(), weights.scalars()];
-            let sum = (0..3).map(|i| format!("{} * {}", color[i], weights[i])).collect::<Vec<_>>().join(" + ");
+            let sum =
+                (0..3).map(|i| format!("{} * {}", color[i], weights[i])).collect::<Vec<_>>().join(" + ");
             let mut parts = vec![format!("color({sum})")];
             parts.extend(value.parts.get(1).cloned());
             parts
@@ -223,5 +227,7 @@ fn ramp<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Vec<St
         g.name("float", &format!("gnurt_edge({}, {at})", center.first()))
     };
     let share = Value::new(Ty::Float, vec![share]);
-    Ok(each(call.out, &[&low, &high, &share], |a| format!("{} * (1.0 - {}) + {} * {}", a[0], a[2], a[1], a[2])))
+    Ok(each(call.out, &[&low, &high, &share], |a| {
+        format!("{} * (1.0 - {}) + {} * {}", a[0], a[2], a[1], a[2])
+    }))
 }

@@ -76,7 +76,11 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
                 _ => {
                     let m = g.name("matrix", m);
                     let one = |column: usize| {
-                        let terms = value.parts.iter().enumerate().map(|(row, x)| format!("{x} * {m}[{row}][{column}]"));
+                        let terms = value
+                            .parts
+                            .iter()
+                            .enumerate()
+                            .map(|(row, x)| format!("{x} * {m}[{row}][{column}]"));
                         terms.collect::<Vec<_>>().join(" + ")
                     };
                     return Ok(Some((0..4).map(one).collect()));

@@ -70,7 +70,11 @@ fn several<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<Outputs>
             g.needs("gnurt_artistic_ior");
             let ior = g.name("color", "0");
             let k = g.name("color", "0");
-            g.body.push_str(&format!("    gnurt_artistic_ior({}, {}, {ior}, {k});\n", r.first(), edge.first()));
+            g.body.push_str(&format!(
+                "    gnurt_artistic_ior({}, {}, {ior}, {k});\n",
+                r.first(),
+                edge.first()
+            ));
             vec![
                 ("ior".into(), Value::new(Ty::Color3, vec![ior])),
                 ("extinction".into(), Value::new(Ty::Color3, vec![k])),

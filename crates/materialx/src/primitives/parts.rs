@@ -11,7 +11,11 @@ pub(crate) fn each(out: Ty, args: &[&Value], f: impl Fn(&[&str]) -> String) -> V
             .iter()
             .map(|arg| {
                 let is_same = arg.parts.len() == kinds.len();
-                let (part, own) = if is_same { (&arg.parts[i], arg.ty.parts()[i]) } else { (&arg.parts[0], arg.ty.parts()[0]) };
+                let (part, own) = if is_same {
+                    (&arg.parts[i], arg.ty.parts()[i])
+                } else {
+                    (&arg.parts[0], arg.ty.parts()[0])
+                };
                 let is_scalar = matches!(own, "float" | "int");
                 match is_scalar && matches!(kind, "color" | "vector") {
                     true => format!("{kind}({part})"),

@@ -67,7 +67,11 @@ fn image<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Vec<String>, Erro
     }
     let found = g.name("color", &format!("(color) texture({}, {u}, 1 - {v}{options})", file.first()));
     if !outside.is_empty() {
-        g.body.push_str(&format!("    if ({}) {{ {found} = color({});", outside.join(" || "), missing[..3].join(", ")));
+        g.body.push_str(&format!(
+            "    if ({}) {{ {found} = color({});",
+            outside.join(" || "),
+            missing[..3].join(", ")
+        ));
         if let Some(alpha) = &alpha {
             g.body.push_str(&format!(" {alpha} = {};", n[3]));
         }
@@ -97,11 +101,14 @@ fn hextiled<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Vec<String>, E
     if file_is_empty && !is_normal {
         return Ok(default.parts);
     }
-    let names = ["tiling", "rotation", "rotationrange", "scale", "scalerange", "offset", "offsetrange", "falloff"];
+    let names =
+        ["tiling", "rotation", "rotationrange", "scale", "scalerange", "offset", "offsetrange", "falloff"];
     let args: Vec<Value> = names.iter().map(|name| g.arg(call, name)).collect::<Result<_, _>>()?;
     let (space, then) = decoded(&file, call.out);
-    let contrast = if is_normal { "0.5".to_owned() } else { g.arg(call, "falloffcontrast")?.first().to_owned() };
-    let weights = if is_normal { "color(1)".to_owned() } else { g.arg(call, "lumacoeffs")?.first().to_owned() };
+    let contrast =
+        if is_normal { "0.5".to_owned() } else { g.arg(call, "falloffcontrast")?.first().to_owned() };
+    let weights =
+        if is_normal { "color(1)".to_owned() } else { g.arg(call, "lumacoeffs")?.first().to_owned() };
     let (u, v) = (&at.parts[0], &at.parts[1]);
     let numbers: Vec<&str> = args.iter().flat_map(|arg| arg.parts.iter().map(|part| &**part)).collect();
     g.needs("gnurt_hextiled");
@@ -123,7 +130,9 @@ fn hextiled<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Vec<String>, E
         g.body.push_str(&format!("    if ({}) {flipped}[1] = 1 - {flipped}[1];\n", a[1].first()));
         g.needs("gnurt_mapped_normal");
         let [strength, n, t, b] = [0, 2, 3, 4].map(|i: usize| a[i].first());
-        return Ok(vec![format!("gnurt_mapped_normal(vector({flipped}), {strength}, {strength}, {n}, {t}, {b})")]);
+        return Ok(vec![format!(
+            "gnurt_mapped_normal(vector({flipped}), {strength}, {strength}, {n}, {t}, {b})"
+        )]);
     }
     let parts = if call.out == Ty::Color4 { vec![found, alpha] } else { vec![found] };
     match then {
