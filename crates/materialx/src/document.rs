@@ -127,7 +127,7 @@ impl Document {
         self.root.children.iter().filter(is_material).map(|element| self.full_name(element)).collect()
     }
 
-    /// Names of what could be shown, materials apart: nodes and outputs of graphs.
+    /// Names of all that could be shown, materials apart: nodes and outputs of graphs.
     #[must_use]
     pub fn shown(&self) -> Vec<String> {
         let mut names = Vec::new();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From a node to one text in the shading language: what the node asks for is emitted, each node once, graphs expanded.
+//! From a node to one text in the shading language: all nodes behind it are emitted, each once, graphs expanded.
 //! Source: [MaterialX], "Node Graphs", "Inputs", "Outputs", "Units", "Color Spaces". Tests: `tests`.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::library::{Definitions, embedded};
 use crate::matching::Known;
 use crate::names::identifier;
-use crate::primitives;
+use crate::parts::{converted, swizzled};
 use crate::types::{Ty, Value};
 use crate::xml::Element;
 
@@ -58,8 +58,33 @@ impl Call<'_> {
 /// Outputs by name.
 pub(crate) type Outputs = Vec<(String, Value)>;
 
+/// The nodes that no graph defines.
+pub(crate) trait Primitives {
+    /// The outputs of a node.
+    fn emit<'a>(&self, g: &mut Generator<'a>, call: &Call<'a>) -> Result<Outputs, Error>;
+
+    /// Those of a node of a former version, which has no definition.
+    fn without_definition<'a>(
+        &self,
+        g: &mut Generator<'a>,
+        scope: usize,
+        node: &'a Element,
+    ) -> Result<Option<Outputs>, Error>;
+
+    /// A geometric property by its kind, space and index.
+    fn property(
+        &self,
+        g: &mut Generator<'_>,
+        ty: Ty,
+        kind: &str,
+        space: &str,
+        index: &str,
+    ) -> Result<Value, String>;
+}
+
 pub(crate) struct Generator<'a> {
     document: &'a Document,
+    primitives: &'static dyn Primitives,
     pub(crate) known: Known<'a>,
     scopes: Vec<Scope<'a>>,
     graphs: HashMap<Place<'a>, usize>,
@@ -76,10 +101,11 @@ pub(crate) struct Generator<'a> {
 }
 
 impl<'a> Generator<'a> {
-    pub(crate) fn new(document: &'a Document) -> Self {
+    pub(crate) fn new(document: &'a Document, primitives: &'static dyn Primitives) -> Self {
         let known = Known { own: Definitions::of(document.root.children.iter()), embedded: embedded() };
         let mut generator = Self {
             document,
+            primitives,
             known,
             scopes: Vec::new(),
             graphs: HashMap::new(),
@@ -130,7 +156,7 @@ impl<'a> Generator<'a> {
         self.scopes[call.scope].is_document
     }
 
-    /// Says once what is left out.
+    /// Reports a part that is left out, once.
     pub(crate) fn warn(&mut self, call: &Call<'a>, what: impl Into<String>) {
         let fault = self.fault(call.scope, call.node, what).to_string();
         if !self.warnings.contains(&fault) {
@@ -215,7 +241,7 @@ impl<'a> Generator<'a> {
             return Err(self.fault(scope, node, why));
         };
         if let Some(port) = port {
-            // The unit of the definition is what its graph computes with.
+            // The definition's graph computes with the definition's unit.
             let unit = known.and_then(|known| known.given("unit"));
             if let Some(value) = self.source(scope, Some(node), port, ty, unit)? {
                 return self.coerced(scope, node, name, value, ty);
@@ -284,7 +310,7 @@ impl<'a> Generator<'a> {
             None
         };
         if let (Some(channels), Some(found)) = (port.given("channels"), &mut value) {
-            let picked = primitives::swizzled(found, channels, ty);
+            let picked = swizzled(found, channels, ty);
             let picked = picked.map_err(|why| self.fault(scope, port, why))?;
             value = Some(self.bind(ty, picked));
         }
@@ -385,7 +411,7 @@ impl<'a> Generator<'a> {
         }
         let place = (scope, std::ptr::from_ref(node));
         if !self.done.contains_key(&place) {
-            if let Some(outputs) = primitives::without_definition(self, scope, node)? {
+            if let Some(outputs) = self.primitives.without_definition(self, scope, node)? {
                 self.done.insert(place, outputs);
             } else {
                 let def = self.known.of(node).map_err(|why| self.fault(scope, node, why))?;
@@ -408,7 +434,7 @@ impl<'a> Generator<'a> {
                     comment(&self.scopes[scope].path),
                     comment(node.name())
                 );
-                let outputs = primitives::emit(self, &Call { node, def, scope, out })?;
+                let outputs = self.primitives.emit(self, &Call { node, def, scope, out })?;
                 self.done.insert(place, outputs);
             }
         }
@@ -513,7 +539,7 @@ impl<'a> Generator<'a> {
         if value.ty == ty || value.ty.parts() == ty.parts() {
             return Ok(Value { ty, ..value });
         }
-        match primitives::converted(&value, ty) {
+        match converted(&value, ty) {
             Some(parts) => Ok(self.bind(ty, parts)),
             None => {
                 let (from, to) = (value.ty.name(), ty.name());
@@ -693,7 +719,8 @@ impl<'a> Generator<'a> {
         };
         let ty = Ty::of(def.ty()).unwrap_or(Ty::Vector3);
         let kind = def.get("geomprop").unwrap_or("").to_owned();
-        primitives::property(self, ty, &kind, def.get("space").unwrap_or(""), def.get("index").unwrap_or("0"))
+        self.primitives
+            .property(self, ty, &kind, def.get("space").unwrap_or(""), def.get("index").unwrap_or("0"))
             .map_err(|why| self.fault(scope, at, why))
     }
 }

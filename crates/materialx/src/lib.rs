@@ -10,6 +10,7 @@ mod generator;
 mod library;
 mod matching;
 mod names;
+mod parts;
 mod primitives;
 mod shader;
 mod types;

@@ -7,7 +7,7 @@ use crate::document::Document;
 use crate::error::Error;
 use crate::generator::Generator;
 use crate::names::identifier;
-use crate::primitives::helpers;
+use crate::primitives::{All, helpers};
 use crate::types::Value;
 use crate::xml::Element;
 
@@ -69,7 +69,7 @@ impl Document {
             let path = self.paths().next().unwrap_or(std::path::Path::new(""));
             return Err(Error::new(path, 0, format!("there is no '{name}'; there are {}", listed(&all))));
         };
-        let mut g = Generator::new(self);
+        let mut g = Generator::new(self, &All);
         g.set_main(self.shader_of(node).unwrap_or(node));
         let value = g.output(0, node, output, node)?;
         let text = written(name, &g, &value);

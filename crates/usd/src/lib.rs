@@ -20,6 +20,7 @@ mod load;
 mod material;
 mod mesh;
 mod mtlx;
+mod mtlx_layer;
 mod network;
 mod package;
 mod pose;

@@ -12,10 +12,10 @@ use gnurt_scene::texture::{Filter, TexcoordSet, Texture, Wrap};
 use gnurt_scene::{MaterialId, Scene, ShaderFile};
 use openusd::sdf::Path;
 
-use crate::mtlx;
 use crate::network::Source;
 use crate::reader::Reader;
 use crate::textures::{Sampled, Textures, combined};
+use crate::{mtlx, mtlx_layer};
 
 /// A material, and its needs of meshes.
 #[derive(Clone, Debug)]
@@ -132,7 +132,7 @@ impl<'a> Materials<'a> {
 impl Materials<'_> {
     /// The material of a referenced document.
     fn of_document(&self, reader: &Reader, scene: &mut Scene, prim: &Path, name: &str) -> Option<Use> {
-        let (file, node) = (reader.word(prim, mtlx::FILE)?, reader.word(prim, mtlx::NODE)?);
+        let (file, node) = (reader.word(prim, mtlx_layer::FILE)?, reader.word(prim, mtlx_layer::NODE)?);
         let id = scene.add_material(Material::matte(name, GREY));
         let given = reader.properties(prim).into_iter().filter_map(|property| {
             let name = property.strip_prefix("inputs:")?.to_owned();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! MaterialX in stages: networks of shaders called `ND_*` become documents in memory, and `.mtlx` files that are referenced become
-//! layers with a material for each of theirs.
-//! Source: UsdShade's networks and UsdMtlx's layout, `/MaterialX/Materials/NAME`. Tests: `tests/mtlx.rs`.
+//! Networks of MaterialX's nodes, shaders called `ND_*`, as documents in memory.
+//! Source: UsdShade. Tests: `tests/mtlx.rs`.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -16,39 +15,6 @@ use crate::value;
 
 /// Shaders of a network.
 const MOST: usize = 4096;
-
-/// Attributes of the materials of a referenced document.
-pub(crate) const FILE: &str = "gnurt:mtlx:file";
-pub(crate) const NODE: &str = "gnurt:mtlx:node";
-
-/// The layer that a document is when a stage refers to it.
-pub(crate) const LAYER: &str = "materialx.usda";
-
-/// Whether an identifier is a document's.
-pub(crate) fn is_document(path: &str) -> bool {
-    path.to_ascii_lowercase().ends_with(".mtlx")
-}
-
-/// The text of a document's layer: its materials, each with its name and file.
-pub(crate) fn layer(file: &str, read: &mut gnurt_materialx::Load<'_>) -> Result<String, String> {
-    let document = gnurt_materialx::Document::open(std::path::Path::new(file), read);
-    let document = document.map_err(|error| error.to_string())?;
-    let mut text = String::from("#usda 1.0\n(\n    defaultPrim = \"MaterialX\"\n)\n");
-    text.push_str("def Scope \"MaterialX\"\n{\n    def Scope \"Materials\"\n    {\n");
-    let quoted = |text: &str| text.replace('\\', "\\\\").replace('"', "\\\"");
-    for name in document.materials() {
-        let prim: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-        let _ = write!(
-            text,
-            "        def Material \"{prim}\"\n        {{\n            custom string {FILE} = \"{}\"\n            \
-             custom string {NODE} = \"{}\"\n        }}\n",
-            quoted(file),
-            quoted(&name)
-        );
-    }
-    text.push_str("    }\n}\n");
-    Ok(text)
-}
 
 /// A network as a document.
 pub(crate) struct Network {

@@ -188,7 +188,7 @@ fn facets<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<([String; 5], St
     Ok(([n.first().to_owned(), t.first().to_owned(), x, y, distribution.first().to_owned()], film))
 }
 
-/// What is reflected and what is transmitted of a tint.
+/// The reflected and the transmitted part of a tint.
 fn scattered<'a>(g: &mut Generator<'a>, call: &Call<'a>, tint: &str) -> Result<[String; 2], Error> {
     let mode = g.word(call, "scatter_mode")?;
     let part = |is_there: bool| if is_there { tint.to_owned() } else { "color(0)".to_owned() };

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Blends and Porter and Duff's operations [PD84] on colours, whose fourth number is opacity.
 
-use super::each;
 use crate::error::Error;
 use crate::generator::{Call, Generator};
+use crate::parts::each;
 use crate::types::Value;
 
 pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<Vec<String>>, Error> {

@@ -3,6 +3,7 @@
 
 use crate::error::Error;
 use crate::generator::{Call, Generator};
+use crate::parts::from_scalars;
 use crate::types::{Ty, Value, quoted};
 
 /// A geometric property by its kind, space and index.
@@ -152,8 +153,5 @@ fn attribute<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Vec<String>, 
     let n = default.scalars();
     let list = g.list(n.len(), &n.join(", "));
     g.body.push_str(&format!("    getattribute({name}, {list});\n"));
-    Ok(super::parts::from_scalars(
-        call.out,
-        &(0..n.len()).map(|i| format!("{list}[{i}]")).collect::<Vec<_>>(),
-    ))
+    Ok(from_scalars(call.out, &(0..n.len()).map(|i| format!("{list}[{i}]")).collect::<Vec<_>>()))
 }

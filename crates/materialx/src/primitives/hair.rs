@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Conversions of what artists give: hair [CBTB16] [dFH11], metals [Gul14], roughness of microfacets, black bodies [KMS02].
+//! Conversions of what artists give: hair [CBTB16], metals [Gul14], roughness of microfacets, black bodies.
 
 use crate::error::Error;
 use crate::generator::{Call, Generator, Outputs};

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Arithmetic, channels, conditionals and colour models.
 
-use super::each;
-use super::parts::from_scalars;
 use crate::error::Error;
 use crate::generator::{Call, Generator};
+use crate::parts::{each, from_scalars};
 use crate::types::{Ty, Value};
 
 /// Functions of one value, `$` for it.

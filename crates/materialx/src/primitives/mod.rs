@@ -11,19 +11,45 @@ pub(crate) mod helpers;
 mod math;
 mod matrices;
 mod noise;
-mod parts;
 mod pictures;
 
-pub(crate) use geometry::property;
-pub(crate) use parts::{converted, each, swizzled};
-
 use crate::error::Error;
-use crate::generator::{Call, Generator, Outputs};
+use crate::generator::{Call, Generator, Outputs, Primitives};
+use crate::parts::swizzled;
 use crate::types::{Ty, Value};
 use crate::xml::Element;
 
+/// All of them.
+pub(crate) struct All;
+
+impl Primitives for All {
+    fn emit<'a>(&self, g: &mut Generator<'a>, call: &Call<'a>) -> Result<Outputs, Error> {
+        emit(g, call)
+    }
+
+    fn without_definition<'a>(
+        &self,
+        g: &mut Generator<'a>,
+        scope: usize,
+        node: &'a Element,
+    ) -> Result<Option<Outputs>, Error> {
+        without_definition(g, scope, node)
+    }
+
+    fn property(
+        &self,
+        g: &mut Generator<'_>,
+        ty: Ty,
+        kind: &str,
+        space: &str,
+        index: &str,
+    ) -> Result<Value, String> {
+        geometry::property(g, ty, kind, space, index)
+    }
+}
+
 /// Nodes of former versions, which have no definition.
-pub(crate) fn without_definition<'a>(
+fn without_definition<'a>(
     g: &mut Generator<'a>,
     scope: usize,
     node: &'a Element,
@@ -36,7 +62,7 @@ pub(crate) fn without_definition<'a>(
 }
 
 /// The outputs of a node.
-pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Outputs, Error> {
+fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Outputs, Error> {
     if let Some(outputs) = several(g, call)? {
         return Ok(outputs);
     }

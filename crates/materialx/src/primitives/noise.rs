@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Noise: the language's own gradient and cell noise, sums of octaves, and distances to jittered points [Wor96].
 
-use super::each;
 use crate::error::Error;
 use crate::generator::{Call, Generator};
+use crate::parts::each;
 use crate::types::{Ty, Value};
 
 pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<Vec<String>>, Error> {

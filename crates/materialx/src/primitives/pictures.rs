@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures, tiled by hexagons too [Mik22].
 
-use super::parts::from_scalars;
 use crate::error::Error;
 use crate::generator::{Call, Generator, is_linear};
+use crate::parts::from_scalars;
 use crate::types::{Ty, Value, quoted};
 
 pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<Vec<String>>, Error> {
