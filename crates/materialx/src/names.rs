@@ -19,7 +19,7 @@ pub(crate) fn identifier(name: &str) -> String {
         name.chars().take(200).map(|c| if c.is_ascii_alphanumeric() || c == '_' { c } else { '_' }).collect();
     // Those of variables begin with an underscore.
     if !out.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        out.insert_str(0, "p");
+        out.insert(0, 'p');
     }
     if TAKEN.split(' ').any(|word| *word == *out) {
         out.push('_');

@@ -120,7 +120,7 @@ fn documents_of_materialx_are_shaders() {
             .run(&["render", "scene.obj", "-r", "8x8", "-o", "p.png", "--shader", choice])
             .fails(1, message);
     };
-    folder.write("others.mtlx", &document.replace("name=\"red\"", "name=\"rust\""));
+    folder.write("others.mtlx", document.replace("name=\"red\"", "name=\"rust\""));
     refused("*=others.mtlx", "name one of them: rust, blue");
     refused("*=two.mtlx:green", "there is no 'green'; there are red, blue");
     refused("*=none.mtlx", "none.mtlx");

@@ -86,7 +86,7 @@ vector gnurt_fractal3_vector(point p, int octaves, float lacunarity, float dimin
     ),
     (
         "gnurt_worley",
-        "// Distances to the three closest of the points that cells hold; with style 1 random numbers of the closest one's cell.
+        "// Distances to the three closest of the points that cells hold; with style 1 random numbers of the cell that the closest is in.
 vector gnurt_worley(point at, float jitter, int style, int dimensions, output point closest) {
     point cell = floor(at);
     vector best = vector(1e6);
@@ -99,12 +99,13 @@ vector gnurt_worley(point at, float jitter, int style, int dimensions, output po
                 vector moved = 0;
                 if (dimensions == 3) moved = (vector) cellnoise(other);
                 else moved = (vector) cellnoise(other[0], other[1]);
-                vector way = other + vector(0.5) + (moved - vector(0.5)) * jitter - at;
+                point there = other + vector(0.5) + (moved - vector(0.5)) * jitter;
+                vector way = there - at;
                 if (dimensions == 2) way[2] = 0;
                 float d = dot(way, way);
                 if (d < best[0]) {
                     best = vector(d, best[0], best[1]);
-                    closest = other;
+                    closest = there;
                 } else if (d < best[1]) {
                     best = vector(best[0], d, best[1]);
                 } else if (d < best[2]) {
