@@ -176,7 +176,7 @@ impl Opener<'_> {
         self.open.push(clean(path));
         for element in root.children {
             if &*element.tag != "xi:include" && &*element.tag != "include" {
-                self.document.root.children.push(element);
+                self.document.root.children.extend(with_shader(element));
                 continue;
             }
             let href = element
@@ -214,8 +214,41 @@ fn clean(path: &Path) -> PathBuf {
     clean
 }
 
+/// A material as versions until 1.37 have it, with its shader within, as nodes.
+fn with_shader(mut material: Element) -> Vec<Element> {
+    if &*material.tag != "material" {
+        return vec![material];
+    }
+    material.tag = "surfacematerial".into();
+    let attribute = |name: &str, value: &str| (Box::from(name), Box::from(value));
+    let name = format!("{}_shader", material.name());
+    let mut parts = std::mem::take(&mut material.children).into_iter();
+    let shader = parts.find(|part| &*part.tag == "shaderref").map(|mut shader| {
+        shader.tag = shader.get("node").unwrap_or("node").into();
+        shader.attributes.retain(|(key, _)| matches!(&**key, "nodedef" | "version"));
+        shader.attributes.extend([attribute("name", &name), attribute("type", "surfaceshader")]);
+        for input in &mut shader.children {
+            input.tag = "input".into();
+        }
+        let attributes = vec![
+            attribute("name", "surfaceshader"),
+            attribute("type", "surfaceshader"),
+            attribute("nodename", &name),
+        ];
+        let (tag, line, file) = ("input".into(), shader.line, shader.file);
+        material.children.push(Element { tag, attributes, line, file, ..Element::default() });
+        shader
+    });
+    material.attributes.push(attribute("type", "material"));
+    std::iter::once(material).chain(shader).collect()
+}
+
 /// Hands colour spaces and prefixes of files down; XML's depth is limited.
 pub(crate) fn inherit(element: &mut Element, color_space: Option<&Arc<str>>, file_prefix: &Arc<str>) {
+    if &*element.tag == "parameter" {
+        // Its name until 1.36.
+        element.tag = "input".into();
+    }
     element.color_space = element.given("colorspace").map(Arc::from).or_else(|| color_space.cloned());
     element.file_prefix = match element.given("fileprefix") {
         // Prefixes add up from the outside to the inside.

@@ -331,8 +331,7 @@ impl<'a> Generator<'a> {
                 Some(self.input(outer, node, def, name)?)
             }
             (None, Some(graph)) => {
-                let Some(input) = graph.child("input", name).or_else(|| graph.child("parameter", name))
-                else {
+                let Some(input) = graph.child("input", name) else {
                     return Err(self.fault(scope, port, format!("the graph has no input '{name}'")));
                 };
                 let ty = Ty::of(input.ty()).unwrap_or(Ty::Float);

@@ -85,6 +85,21 @@ fn former_versions_are_read() {
 }
 
 #[test]
+fn materials_of_former_versions_have_shaders_within() {
+    let text = format!(
+        "{GRAPH}<material name=\"M\"><shaderref name=\"s\" node=\"standard_surface\"><bindinput name=\"base_color\" \
+         type=\"color3\" value=\"0.1, 0.2, 0.3\"/><bindinput name=\"metalness\" type=\"float\" nodegraph=\"g\" \
+         output=\"out\"/></shaderref></material>"
+    );
+    let text = text.replace("<input name=\"in2\"", "<parameter name=\"in2\"");
+    let made = generated(&text, Some("M")).expect("a shader");
+    for part in ["color base_color = color(0.1, 0.2, 0.3)", "g_m_in2 = 2.0", "float g_k = 3.0"] {
+        assert!(made.text.contains(part), "{part}\n{}", made.text);
+    }
+    compiled(&made.text).expect("it compiles");
+}
+
+#[test]
 fn a_material_is_chosen_by_name() {
     let one = "<standard_surface name=\"s\" type=\"surfaceshader\"><input name=\"base_color\" type=\"color3\" \
                value=\"0.1, 0.2, 0.3\"/></standard_surface><surfacematerial name=\"M\" type=\"material\">\
