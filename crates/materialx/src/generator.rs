@@ -94,6 +94,8 @@ pub(crate) struct Generator<'a> {
     pub(crate) body: String,
     params: Vec<String>,
     names: HashSet<String>,
+    /// Whether both sides of glass are one surface.
+    pub(crate) is_thin: bool,
     /// The node whose inputs have parameters without a path.
     main: Option<*const Element>,
     pub(crate) helpers: BTreeSet<&'static str>,
@@ -115,6 +117,7 @@ impl<'a> Generator<'a> {
             body: String::new(),
             params: Vec::new(),
             names: HashSet::new(),
+            is_thin: false,
             main: None,
             helpers: BTreeSet::new(),
             warnings: document.warnings.clone(),
@@ -135,6 +138,9 @@ impl<'a> Generator<'a> {
     /// Makes a node's inputs parameters without a path.
     pub(crate) fn set_main(&mut self, node: &'a Element) {
         self.main = Some(std::ptr::from_ref(node));
+        self.is_thin = ["thin_walled", "geometry_thin_walled"]
+            .iter()
+            .any(|name| node.child("input", name).is_some_and(|input| input.get("value") == Some("true")));
     }
 
     /// The parameters, each with a comma at its end.
@@ -149,11 +155,6 @@ impl<'a> Generator<'a> {
             true => self.document.fault(node, why),
             false => self.document.fault(scope.site, format!("{} within: {}", node.name(), why.into())),
         }
-    }
-
-    /// Whether a node is one of the document's, and not of a definition's graph.
-    pub(crate) fn is_of_document(&self, call: &Call<'a>) -> bool {
-        self.scopes[call.scope].is_document
     }
 
     /// Reports a part that is left out, once.
@@ -470,13 +471,6 @@ impl<'a> Generator<'a> {
             return Ok(*known);
         }
         self.charge(outer, node)?;
-        let is_thin = ["thin_walled", "geometry_thin_walled"]
-            .iter()
-            .any(|name| node.child("input", name).is_some_and(|input| input.get("value") == Some("true")));
-        if is_thin && self.scopes[outer].is_document {
-            let left_out = self.fault(outer, node, "thin_walled is left out, glass is solid").to_string();
-            self.warnings.push(left_out);
-        }
         let user = &self.scopes[outer];
         let is_main = self.main == Some(std::ptr::from_ref(node));
         let path = match (user.path.is_empty(), is_main) {

@@ -118,10 +118,25 @@ fn a_material_is_chosen_by_name() {
 }
 
 #[test]
-fn what_is_left_out_is_said_once() {
+fn thin_walls_are_panes() {
     let text = "<standard_surface name=\"s\" type=\"surfaceshader\"><input name=\"thin_walled\" type=\"boolean\" \
                 value=\"true\"/></standard_surface>";
     let made = generated(text, None).expect("a shader");
-    assert_eq!(made.warnings.len(), 1, "{:?}", made.warnings);
-    assert!(made.warnings[0].starts_with("t.mtlx:3: ") && made.warnings[0].contains("thin_walled"));
+    assert_eq!(made.text.matches("\"thin_walled\", 1").count(), 1, "of transmission alone\n{}", made.text);
+    compiled(&made.text).expect("it compiles");
+    assert!(
+        !generated(&text.replace("true", "false"), None)
+            .expect("a shader")
+            .text
+            .contains("\"thin_walled\", 1")
+    );
+}
+
+#[test]
+fn what_is_left_out_is_said_once() {
+    let text = "<displacement name=\"d\" type=\"displacementshader\"><input name=\"displacement\" type=\"float\" \
+                value=\"1\"/></displacement><surfacematerial name=\"M\" type=\"material\"><input \
+                name=\"displacementshader\" type=\"displacementshader\" nodename=\"d\"/></surfacematerial>";
+    let made = generated(text, None).expect("a shader");
+    assert_eq!(made.warnings, ["t.mtlx:3: displacement is left out"]);
 }

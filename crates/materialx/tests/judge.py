@@ -166,7 +166,9 @@ def materials(model, count, rng):
         inputs = []
         for port in ports:
             name, kind = port.getName(), port.getType()
-            left_out = any(word in name for word in ("displacement", "occlusion", "normal", "tangent"))
+            # Their OSL has no thin walls.
+            words = ("displacement", "occlusion", "normal", "tangent", "thin_walled")
+            left_out = any(word in name for word in words)
             if port.hasDefaultGeomPropString() or rng.random() < 0.55 or left_out:
                 continue
             if kind == "float":

@@ -57,8 +57,9 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             let (facets, film) = facets(g, call)?;
             let [mirrored, through] = scattered(g, call, &tint)?;
             let [n, t, x, y, distribution] = facets;
+            let thin = if g.is_thin && through != "color(0)" { ", \"thin_walled\", 1" } else { "" };
             format!(
-                "{w} * dielectric_bsdf({n}, {t}, {mirrored}, {through}, {x}, {y}, {ior}, {distribution}{film})"
+                "{w} * dielectric_bsdf({n}, {t}, {mirrored}, {through}, {x}, {y}, {ior}, {distribution}{film}{thin})"
             )
         }
         "conductor_bsdf" => {
@@ -198,10 +199,7 @@ fn scattered<'a>(g: &mut Generator<'a>, call: &Call<'a>, tint: &str) -> Result<[
 fn shader<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Option<Vec<String>>, Error> {
     let part = match node {
         "surface" => {
-            let [bsdf, edf, opacity, thin] = all(g, call, ["bsdf", "edf", "opacity", "thin_walled"])?;
-            if thin.text.as_deref() == Some("true") && g.is_of_document(call) {
-                g.warn(call, "thin_walled is left out, glass is solid");
-            }
+            let [bsdf, edf, opacity] = all(g, call, ["bsdf", "edf", "opacity"])?;
             let light = match (bsdf.first(), edf.first()) {
                 ("0", "0") => "0".to_owned(),
                 ("0", light) | (light, "0") => light.to_owned(),

@@ -45,6 +45,18 @@ fn each_closure_has_its_lobe() {
         ),
         (&format!("dielectric_bsdf (N, {zero}, color (1), color (1), 0.2, 0.2, 1.5, \"ggx\")"), Kind::Glass),
         (
+            &format!(
+                "dielectric_bsdf (N, {zero}, color (1), color (1), 0, 0, 1.5, \"ggx\", \"thin_walled\", 1)"
+            ),
+            Kind::SmoothPane,
+        ),
+        (
+            &format!(
+                "dielectric_bsdf (N, {zero}, color (0), color (1), 0.2, 0.2, 1.5, \"ggx\", \"thin_walled\", 1)"
+            ),
+            Kind::Pane,
+        ),
+        (
             &format!("dielectric_bsdf (N, {zero}, color (1), color (0), 0.2, 0.2, 1.5, \"ggx\")"),
             Kind::Microfacets,
         ),
