@@ -43,6 +43,10 @@ pub(crate) fn script_named(
     // Other threads of the program run while it is compiled.
     let py = shader.py();
     let made = match shader.extract::<String>() {
+        // Neither is a path.
+        Ok(text) if text.contains("<materialx") => {
+            py.detach(|| Script::from_text(Path::new("shader.mtlx"), &text, access))
+        }
         // No shader is without a body.
         Ok(text) if text.contains('{') => {
             py.detach(|| Script::from_text(Path::new("shader.osl"), &text, access))

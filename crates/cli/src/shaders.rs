@@ -7,7 +7,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use gnurt::osl::{Access, CameraScript, Kind, Script};
+use gnurt::osl::{Access, CameraScript, Kind, Script, document_and_node, materials_of_document};
 use gnurt::render::ShaderTable;
 use gnurt::scene::{CameraId, MaterialId, Scene, Surface};
 use gnurt_plugins::{SceneShader, is_script};
@@ -43,21 +43,22 @@ impl Shaders {
         }
         let mut shaders = Self::default();
         shaders.put_named(scene, messages);
+        let access = access(frame);
         if let Some(choice) = &frame.pixel_shader {
-            let script = script("--pixel-shader", choice, &Access::default(), messages)?;
+            let script = script("--pixel-shader", choice, &access, messages)?;
             let made = script.pixel().map_err(|why| wrong("--pixel-shader", choice, &why))?;
             shaders.table.pixel = Some(made);
             shaders.scripts.push(script);
         }
-        for choice in &frame.shaders {
-            let ShaderChoice { material, class, file, parameters } = choice;
+        for choice in each_of_document(scene, &frame.shaders, &access)? {
+            let ShaderChoice { material, class, file, parameters } = &choice;
             if material.is_empty() {
-                shaders.put_light(choice, messages)?;
+                shaders.put_light(&choice, &access, messages)?;
                 continue;
             }
             let option = || format!("--shader {material}={class}");
             let chosen = chosen(scene, material)?;
-            let made = SceneShader::new(class, file.as_deref(), parameters)
+            let made = SceneShader::new(class, file.as_deref(), parameters, &access)
                 .map_err(|why| Failure::data(format_args!("{}: {why}", option())))?;
             let number = shaders.table.surfaces.len() as u32;
             for id in chosen {
@@ -81,8 +82,13 @@ impl Shaders {
     }
 
     /// A light in the shading language.
-    fn put_light(&mut self, choice: &ShaderChoice, messages: Messages) -> Result<(), Failure> {
-        let (script, file) = (script("--shader", choice, &Access::default(), messages)?, &choice.class);
+    fn put_light(
+        &mut self,
+        choice: &ShaderChoice,
+        access: &Access,
+        messages: Messages,
+    ) -> Result<(), Failure> {
+        let (script, file) = (script("--shader", choice, access, messages)?, &choice.class);
         let right = match script.kind() {
             Kind::Light => None,
             Kind::Surface => {
@@ -147,6 +153,44 @@ impl Watched {
     }
 }
 
+/// Where shaders may take files from.
+fn access(frame: &FrameArguments) -> Access {
+    let includes = frame.include.iter().map(|folder| folder.to_string_lossy().into_owned()).collect();
+    Access { includes, ..Access::default() }
+}
+
+/// The choices, those of documents with several materials replaced: a material gets the one of its name, and `*` is all
+/// materials that the document has by name.
+fn each_of_document(
+    scene: &Scene,
+    choices: &[ShaderChoice],
+    access: &Access,
+) -> Result<Vec<ShaderChoice>, Failure> {
+    let mut all = Vec::new();
+    for choice in choices {
+        let several = match document_and_node(&choice.class) {
+            Some((file, None)) => materials_of_document(Path::new(file), access)
+                .map_err(|why| Failure::data(format_args!("--shader {}={file}: {why}", choice.material)))?,
+            _ => Vec::new(),
+        };
+        let is_meant = |name: &&String| choice.material == "*" || choice.material == **name;
+        let named = scene.materials().iter().map(|material| &material.name).filter(is_meant);
+        let mut named: Vec<&String> = named.filter(|name| several.contains(name)).collect();
+        named.dedup();
+        if several.len() < 2 || named.is_empty() {
+            // A document that has none of the names says which it has.
+            all.push(choice.clone());
+            continue;
+        }
+        all.extend(named.into_iter().map(|name| ShaderChoice {
+            material: name.clone(),
+            class: format!("{}:{name}", choice.class),
+            ..choice.clone()
+        }));
+    }
+    Ok(all)
+}
+
 /// A script with values, whose compiler has been listened to.
 fn script(
     option: &str,
@@ -208,7 +252,8 @@ fn choices<'a>(
 /// The files that one comes from.
 fn files_of(choice: &ShaderChoice) -> impl Iterator<Item = PathBuf> + '_ {
     let texture = |(_, value): &(String, String)| value.strip_prefix('@').map(PathBuf::from);
-    let script = is_script(&choice.class).then(|| PathBuf::from(&choice.class));
+    let file = document_and_node(&choice.class).map_or(&*choice.class, |(file, _)| file);
+    let script = is_script(&choice.class).then(|| PathBuf::from(file));
     choice.file.iter().cloned().chain(script).chain(choice.parameters.iter().filter_map(texture))
 }
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gnurt::image::read_texture;
-use gnurt::osl::{Access, Script};
+use gnurt::osl::{Access, Script, document_and_node};
 use gnurt::shading::SurfaceShader;
 use gnurt::shading::classes::{self, ParameterRate, ParameterType, Shader as RenderShader, Value};
 use gnurt::shading::texture::TextureSampler;
@@ -31,21 +31,26 @@ pub struct SceneShader {
     script: Option<Script>,
 }
 
-/// Whether a class is a file in the shading language.
+/// Whether a class is a file in the shading language, or a document of MaterialX.
 #[must_use]
 pub fn is_script(class: &str) -> bool {
-    [".osl", ".oso", ".oslgroup"].iter().any(|end| class.ends_with(end))
+    [".osl", ".oso", ".oslgroup"].iter().any(|end| class.ends_with(end)) || document_and_node(class).is_some()
 }
 
 impl SceneShader {
     /// A shader of `class`, which `file` holds if it is no built-in one, with some parameters set: pairs of a name and
-    /// a value.
+    /// a value. Scripts include files by `access`.
     ///
     /// # Errors
     /// One line: the class cannot be had or is of no surfaces, `prepare` fails or crashes, a parameter or value is wrong.
-    pub fn new(class: &str, file: Option<&Path>, parameters: &[(String, String)]) -> Result<Self, String> {
+    pub fn new(
+        class: &str,
+        file: Option<&Path>,
+        parameters: &[(String, String)],
+        access: &Access,
+    ) -> Result<Self, String> {
         match file {
-            None if is_script(class) => Self::of_script(Path::new(class), parameters),
+            None if is_script(class) => Self::of_script(Path::new(class), parameters, access),
             Some(file) => Self::of_plugin(class, file, parameters),
             None => Self::built_in(class, parameters),
         }
@@ -57,8 +62,8 @@ impl SceneShader {
         Self { surface, plugins: PluginFrame::default(), script: Some(script) }
     }
 
-    fn of_script(file: &Path, parameters: &[(String, String)]) -> Result<Self, String> {
-        let mut script = Script::open(file, &Access::default())?;
+    fn of_script(file: &Path, parameters: &[(String, String)], access: &Access) -> Result<Self, String> {
+        let mut script = Script::open(file, access)?;
         for (name, value) in parameters {
             script.set_text(name, value)?;
         }
@@ -227,7 +232,7 @@ mod tests {
     fn refused(class: &str, parameters: &[(&str, &str)]) -> String {
         let parameters: Vec<_> =
             parameters.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-        SceneShader::new(class, None, &parameters).err().expect("it is wrong")
+        SceneShader::new(class, None, &parameters, &Access::default()).err().expect("it is wrong")
     }
 
     #[test]
@@ -252,7 +257,8 @@ mod tests {
         let [broken, missing] = ["broken.so", "missing.so"].map(|name| folder.path().join(name));
         std::fs::write(&broken, "no library").expect("a file");
         for (file, name) in [(&broken, "broken.so"), (&missing, "missing.so")] {
-            let found = SceneShader::new("x", Some(file), &[]).err().expect("it is wrong");
+            let found =
+                SceneShader::new("x", Some(file), &[], &Access::default()).err().expect("it is wrong");
             assert!(found.contains(name) && !found.contains(".tmp"), "{found}");
         }
     }

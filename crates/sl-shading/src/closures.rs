@@ -40,7 +40,7 @@ pub(crate) enum Known {
 
 /// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure. Keyword arguments: `~`
 /// a thin film's thickness (nanometres) and index, `+` whether multiple scattering between microfacets is
-/// added, `?` the name of the model.
+/// added, `?` the name of the model, `|` a film and whether both sides of a pane are one surface.
 const TABLE: [(Known, &str, &str); 29] = [
     (Known::Emission, "emission", ""),
     (Known::Emission, "background", ""),
@@ -59,7 +59,7 @@ const TABLE: [(Known, &str, &str); 29] = [
     (Known::Subsurface, "subsurface", "FFCC"),
     (Known::OrenNayarDiffuse, "oren_nayar_diffuse_bsdf", "VCF+"),
     (Known::Burley, "burley_diffuse_bsdf", "VCF"),
-    (Known::Dielectric, "dielectric_bsdf", "VVCCFFFS~"),
+    (Known::Dielectric, "dielectric_bsdf", "VVCCFFFS|"),
     (Known::Conductor, "conductor_bsdf", "VVFFCCS~"),
     (Known::Schlick, "generalized_schlick_bsdf", "VVCCFFCCFS~"),
     (Known::TranslucentBsdf, "translucent_bsdf", "VC"),
@@ -97,9 +97,14 @@ static ALL: LazyLock<(Vec<ClosureDecl>, Vec<Shape>)> = LazyLock::new(|| {
     };
     let key = |name: &str, base| ClosureParam { ty: Type::of(base), key: Some(name.into()) };
     let decl = |(known, name, codes): (Known, &str, &str)| {
-        let plain = codes.trim_end_matches(['~', '+', '?']);
+        let plain = codes.trim_end_matches(['~', '+', '?', '|']);
         let named = match &codes[plain.len()..] {
             "~" => vec![key("thinfilm_thickness", Base::Float), key("thinfilm_ior", Base::Float)],
+            "|" => vec![
+                key("thinfilm_thickness", Base::Float),
+                key("thinfilm_ior", Base::Float),
+                key("thin_walled", Base::Int),
+            ],
             "+" => vec![key("energy_compensation", Base::Int)],
             "?" => vec![key("mode", Base::Int)],
             _ => Vec::new(),

@@ -144,11 +144,15 @@ fn fresnel_at_normal(eta: f32) -> f32 {
 
 /// Glass by the index beyond over the index on the side that the ray came from.
 fn glass(slopes: Slopes, eta: f32, reflectance: Vec3, transmittance: Vec3) -> Lobe {
+    glass_or_pane(slopes, eta, reflectance, transmittance, false)
+}
+
+fn glass_or_pane(slopes: Slopes, eta: f32, reflectance: Vec3, transmittance: Vec3, thin: bool) -> Lobe {
     let eta = if eta > 0.0 { 1.0 / eta } else { 1.0 };
     if slopes.is_smooth() {
-        Lobe::glass(eta, reflectance, transmittance, false)
+        Lobe::glass(eta, reflectance, transmittance, thin)
     } else {
-        slopes.of(|alpha| Lobe::rough_glass(alpha, eta, reflectance, transmittance, false))
+        slopes.of(|alpha| Lobe::rough_glass(alpha, eta, reflectance, transmittance, thin))
     }
 }
 
@@ -190,7 +194,8 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
                 let f0 = Vec3::splat(fresnel_at_normal(index));
                 tinted(microfacets(slopes, f0, Vec3::ONE).filmed(p.film()), reflectance)
             } else {
-                glass(slopes, eta, reflectance, transmittance).filmed(p.film())
+                let thin = transmittance != Vec3::ZERO && p.int(p.shape.plain + 2) != 0;
+                glass_or_pane(slopes, eta, reflectance, transmittance, thin).filmed(p.film())
             }
         }
         Known::Conductor => {

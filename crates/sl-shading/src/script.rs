@@ -32,6 +32,7 @@ use crate::fixed::Fixed;
 use crate::library;
 use crate::light::ScriptLight;
 use crate::live::Live;
+use crate::mtlx;
 use crate::parameter::{self, Parameter, ParameterValue};
 use crate::pixel::{self, ScriptPixel};
 use crate::properties::Properties;
@@ -41,13 +42,30 @@ use crate::surface_state::{CAMERA, DIFFUSE, Needs};
 use crate::textures::Textures;
 use crate::world::Common;
 
-/// The layer that takes a closure output as `Ci`.
-const CLOSURE_OUTPUT: &str = "surface closure_output (closure color value = 0) { Ci = value; }";
+/// The layer that takes closure outputs as `Ci`: light, and its opacity.
+const CLOSURE_OUTPUT: &str =
+    "surface closure_output (closure color bsdf = 0, closure color edf = 0, float opacity = 1) {
+    float part = clamp (opacity, 0.0, 1.0);
+    Ci = part * (bsdf + edf) + (1 - part) * transparent ();
+}";
 
-/// The first output of a shader that is a closure.
-fn closure_output(shader: &Shader) -> Option<&str> {
-    let mut outputs = shader.params().filter(|(_, symbol)| symbol.kind == SymbolKind::OutputParam);
-    outputs.find(|(_, symbol)| symbol.ty == Type::CLOSURE).map(|(_, symbol)| &*symbol.name)
+/// The outputs of a shader that are its `Ci`, and the parameters of that layer for them: the first output that is a closure, or
+/// the fields of MaterialX's `surfaceshader`.
+fn closure_outputs(shader: &Shader) -> Vec<(String, &'static str)> {
+    let outputs = || shader.params().map(|(_, symbol)| symbol).filter(|s| s.kind == SymbolKind::OutputParam);
+    if let Some(only) = outputs().find(|s| s.ty == Type::CLOSURE && !s.name.contains('.')) {
+        return vec![(only.name.to_string(), "bsdf")];
+    }
+    let fields = |of: &str| {
+        let field = |field: &'static str| (format!("{of}.{field}"), field);
+        let all = ["bsdf", "edf", "opacity"].map(field);
+        let is_there = |(name, field): &(String, &str)| {
+            let ty = if *field == "opacity" { Type::FLOAT } else { Type::CLOSURE };
+            shader.find(name).is_some_and(|id| shader.symbol(id).ty == ty)
+        };
+        all.iter().all(is_there).then(|| all.to_vec())
+    };
+    outputs().find_map(|s| s.ty.struct_id().and_then(|_| fields(&s.name))).unwrap_or_default()
 }
 
 /// Iterations of loops that a point may take.
@@ -88,6 +106,8 @@ pub struct Script {
     name: String,
     kind: Kind,
     group: Group,
+    /// Where it is read from again: its file, and the node of a document.
+    origin: Option<PathBuf>,
     files: Vec<PathBuf>,
     warnings: Vec<String>,
     textures: Arc<Textures>,
@@ -108,6 +128,9 @@ impl Script {
         if let Some(text) = library::text(path) {
             return Self::made(path, text, access, Vec::new());
         }
+        if let Some((file, node)) = mtlx::split(&path.to_string_lossy()) {
+            return Self::of_document(path, Path::new(file), node, None, access);
+        }
         let text = access.text(path).map_err(|why| {
             let why = library::unknown(path).unwrap_or(why);
             format!("{}: {why}", path.display())
@@ -120,7 +143,26 @@ impl Script {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_text(path: &Path, text: &str, access: &Access) -> Result<Self, String> {
-        Self::made(path, text, access, vec![path.to_owned()])
+        match mtlx::split(&path.to_string_lossy()) {
+            Some((file, node)) => Self::of_document(path, Path::new(file), node, Some(text), access),
+            None => Self::made(path, text, access, vec![path.to_owned()]),
+        }
+    }
+
+    /// The shader that a document of MaterialX describes.
+    fn of_document(
+        path: &Path,
+        file: &Path,
+        node: Option<&str>,
+        text: Option<&str>,
+        access: &Access,
+    ) -> Result<Self, String> {
+        let written = mtlx::written(file, node, text, access)?;
+        let mut script = Self::made(file, &written.text, access, written.files)?;
+        script.origin = Some(path.to_owned());
+        // Those of the compiler are about a text that the document's author has not written.
+        script.warnings = written.warnings;
+        Ok(script)
     }
 
     fn made(path: &Path, text: &str, access: &Access, files: Vec<PathBuf>) -> Result<Self, String> {
@@ -145,15 +187,17 @@ impl Script {
             other => return Err(format!("{}: shaders of type {other} are not drawn", path.display())),
         };
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let is_black = last.shader.find("Ci").is_none() && closure_output(&last.shader).is_none();
+        let is_black = last.shader.find("Ci").is_none() && closure_outputs(&last.shader).is_empty();
         if kind == Kind::Surface && is_black {
             reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black"));
         }
+        let files = reader.files.into_inner();
         Ok(Self {
             name,
             kind,
             group,
-            files: reader.files.into_inner(),
+            origin: files.first().cloned(),
+            files,
             warnings: reader.warnings.into_inner(),
             textures: Arc::new(Textures::new(access.clone(), folder)),
             faults: Arc::default(),
@@ -169,7 +213,7 @@ impl Script {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn again(&self) -> Result<Self, String> {
-        let path = self.files.first().ok_or_else(|| format!("{}: it has no file", self.name))?;
+        let path = self.origin.as_ref().ok_or_else(|| format!("{}: it has no file", self.name))?;
         let mut script = Self::open(path, &self.access)?;
         for (name, value) in &self.given {
             if let Err(why) = script.set(name, value) {
@@ -341,21 +385,26 @@ impl Script {
         Ok(Arc::new(ScriptSurface { common, fixed }))
     }
 
-    /// Its group; if the last shader does not write `Ci`, with a layer that sets `Ci` to its first closure output.
+    /// Its group; if the last shader does not write `Ci`, with a layer that sets `Ci` to its closure outputs.
     fn with_closure_output(&self) -> Result<Cow<'_, Group>, String> {
         let borrowed = Cow::Borrowed(&self.group);
         let Some(last) = self.group.layers.last() else { return Ok(borrowed) };
         if last.shader.find("Ci").is_some() {
             return Ok(borrowed);
         }
-        let Some(output) = closure_output(&last.shader) else { return Ok(borrowed) };
+        let outputs = closure_outputs(&last.shader);
+        if outputs.is_empty() {
+            return Ok(borrowed);
+        }
         let load = |path: &Path| library::text(path).map(str::to_owned);
         let compiled = compile("closure_output.osl", CLOSURE_OUTPUT, &Options::default(), &load);
         let shader = compiled.shader.ok_or("the layer of closure outputs does not compile")?;
         let mut group = self.group.clone();
         let layer = format!("closure_output_{}", group.layers.len());
         group.add(Arc::new(shader), Some(&layer), &[], &mut Vec::new());
-        group.connect(&last.name, output, &layer, "value")?;
+        for (output, parameter) in &outputs {
+            group.connect(&last.name, output, &layer, parameter)?;
+        }
         Ok(Cow::Owned(group))
     }
 

@@ -11,6 +11,9 @@ mod kinds;
 mod lanes;
 #[path = "scripts/live.rs"]
 mod live;
+#[cfg(feature = "materialx")]
+#[path = "scripts/mtlx.rs"]
+mod mtlx;
 #[path = "scripts/pixels.rs"]
 mod pixels;
 #[path = "scripts/relief.rs"]

@@ -14,7 +14,7 @@ use gnurt_scene::io::reader::{self, Access};
 use openusd::ar;
 
 use crate::package::Package;
-use crate::{crate_check, text_check};
+use crate::{crate_check, mtlx_layer, text_check};
 
 /// The identifier of the layer that chooses variants.
 pub(crate) const SESSION: &str = "variants-of-the-command-line.usda";
@@ -43,6 +43,9 @@ impl Files {
             None => self.file(Path::new(identifier)),
             Some((package, entry)) => {
                 let bytes = self.file(Path::new(package))?;
+                if mtlx_layer::is_document(package) {
+                    return self.document(package).map(Arc::new);
+                }
                 let entry =
                     Package::open(&bytes).and_then(|package| package.entry(entry).map(<[u8]>::to_vec));
                 let entry = entry.map_err(|fault| format!("{package}: {fault}"))?;
@@ -50,6 +53,15 @@ impl Files {
                 Ok(Arc::new(entry))
             }
         }
+    }
+
+    /// The layer of a document of MaterialX.
+    fn document(&self, file: &str) -> Result<Vec<u8>, String> {
+        let mut read = |path: &Path| {
+            let bytes = self.file(path)?;
+            String::from_utf8(bytes.to_vec()).map_err(|error| error.to_string())
+        };
+        mtlx_layer::layer(file, &mut read).map(String::into_bytes)
     }
 
     fn file(&self, path: &Path) -> Kept {
@@ -154,8 +166,14 @@ impl ar::Resolver for Resolver {
         }
         if let Some((package, entry)) = split(asset_path) {
             let bytes = self.0.file(Path::new(package)).ok()?;
+            if mtlx_layer::is_document(package) {
+                return found(asset_path);
+            }
             let has = Package::open(&bytes).is_ok_and(|package| package.entry(entry).is_ok());
             return if has { found(asset_path) } else { None };
+        }
+        if mtlx_layer::is_document(asset_path) && Path::new(asset_path).exists() {
+            return found(&format!("{asset_path}[{}]", mtlx_layer::LAYER));
         }
         if is_package(asset_path) {
             // A package that cannot be read is read once more, for its fault to be told.

@@ -19,6 +19,8 @@ mod lights;
 mod load;
 mod material;
 mod mesh;
+mod mtlx;
+mod mtlx_layer;
 mod network;
 mod package;
 mod pose;

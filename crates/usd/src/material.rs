@@ -8,13 +8,14 @@ use std::collections::HashMap;
 use gnurt_scene::factors::{AlphaMode, Factors, MappedTexture, TextureTransform};
 use gnurt_scene::io::reader::{Meaning, Pictures};
 use gnurt_scene::material::{Alpha, Color, Material, Opacity, OpacityChannel, Surface, TextureRef};
-use gnurt_scene::texture::TexcoordSet;
-use gnurt_scene::{MaterialId, Scene};
+use gnurt_scene::texture::{Filter, TexcoordSet, Texture, Wrap};
+use gnurt_scene::{MaterialId, Scene, ShaderFile};
 use openusd::sdf::Path;
 
 use crate::network::Source;
 use crate::reader::Reader;
 use crate::textures::{Sampled, Textures, combined};
+use crate::{mtlx, mtlx_layer};
 
 /// A material, and its needs of meshes.
 #[derive(Clone, Debug)]
@@ -70,6 +71,21 @@ impl<'a> Materials<'a> {
     fn made(&mut self, reader: &Reader, scene: &mut Scene, prim: &Path) -> Use {
         let name = prim.name().unwrap_or_default().to_owned();
         let varying = reader.varying();
+        if let Some(made) = self.of_document(reader, scene, prim, &name) {
+            return made;
+        }
+        let network = match reader.source(prim, "outputs:mtlx:surface") {
+            Some(Source::Shader { prim, .. }) => Some(prim),
+            _ => None,
+        };
+        // Preview surfaces are materials of our own, unless their inputs are MaterialX's nodes.
+        let is_document = |shader: &Path| {
+            let id = reader.shader_id(shader);
+            id.starts_with("ND_") && (!id.starts_with("ND_UsdPreviewSurface") || reads_nodes(reader, shader))
+        };
+        if let Some(shader) = network.filter(is_document) {
+            return self.of_network(reader, scene, &shader, name);
+        }
         let outputs = ["outputs:surface", "outputs:mtlx:surface"];
         let surface = outputs.into_iter().find_map(|output| match reader.source(prim, output) {
             Some(Source::Shader { prim, .. }) => Some(prim),
@@ -111,6 +127,58 @@ impl<'a> Materials<'a> {
         same.push((material, made.clone()));
         made
     }
+}
+
+impl Materials<'_> {
+    /// The material of a referenced document.
+    fn of_document(&self, reader: &Reader, scene: &mut Scene, prim: &Path, name: &str) -> Option<Use> {
+        let (file, node) = (reader.word(prim, mtlx_layer::FILE)?, reader.word(prim, mtlx_layer::NODE)?);
+        let id = scene.add_material(Material::matte(name, GREY));
+        let given = reader.properties(prim).into_iter().filter_map(|property| {
+            let name = property.strip_prefix("inputs:")?.to_owned();
+            Some((name, mtlx::parameter(&reader.value(prim, &property)?)?))
+        });
+        let confined_to = reader.confined_to();
+        let file = format!("{file}:{node}").into();
+        let parameters = given.collect();
+        scene.set_shader_file(id, ShaderFile { file, parameters, confined_to, ..ShaderFile::default() });
+        Some(Use { id, texcoords: Some("st".to_owned()), has_colors: true })
+    }
+
+    /// The material of a network of MaterialX's nodes.
+    fn of_network(&mut self, reader: &Reader, scene: &mut Scene, shader: &Path, name: String) -> Use {
+        let network = mtlx::network(reader, shader);
+        let key = format!("{name}{}", network.text);
+        if let Some(known) = self.known.get(&key) {
+            return known.clone();
+        }
+        let color = ["base_color", "diffuseColor"].iter().find_map(|name| reader.input_vector(shader, name));
+        let id = scene
+            .add_material(Material::matte(&*name, color.unwrap_or(GREY).map(|c: f32| c.clamp(0.0, 1.0))));
+        let read = mtlx::read_pictures(reader, &mut self.pictures, shader, &network);
+        let pictures = read.into_iter().map(|(name, texels)| {
+            let texture =
+                Texture { name: name.clone(), texels, wrap: [Wrap::Repeat; 2], filter: Filter::Linear };
+            (name, scene.add_texture(texture))
+        });
+        let pictures = pictures.collect();
+        let file = format!("{}.mtlx", shader.as_str()).into();
+        let text = Some(network.text.into());
+        scene.set_shader_file(id, ShaderFile { file, text, pictures, ..ShaderFile::default() });
+        let texcoords = network.texcoords.or_else(|| Some("st".to_owned()));
+        let made = Use { id, texcoords, has_colors: true };
+        self.known.insert(key, made.clone());
+        made
+    }
+}
+
+/// Whether an input of a shader comes from a node of MaterialX.
+fn reads_nodes(reader: &Reader, shader: &Path) -> bool {
+    reader.properties(shader).iter().any(|property| {
+        property.starts_with("inputs:")
+            && matches!(reader.source(shader, property), Some(Source::Shader { prim, .. })
+                if reader.shader_id(&prim).starts_with("ND_"))
+    })
 }
 
 /// A network that becomes a material.

@@ -151,6 +151,11 @@ impl Reader {
         self.number(prim, name).unwrap_or(fallback)
     }
 
+    /// The folder that files may come from.
+    pub(crate) fn confined_to(&self) -> Option<PathBuf> {
+        self.files.access.confined_to()
+    }
+
     /// Yes or no.
     pub(crate) fn flag(&self, prim: &Path, name: &str) -> Option<bool> {
         self.value(prim, name).as_ref().and_then(value::flag)

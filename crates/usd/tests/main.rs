@@ -8,6 +8,7 @@ mod instancing;
 mod lights;
 mod materials;
 mod meshes;
+mod mtlx;
 mod packages;
 mod save;
 mod shapes;

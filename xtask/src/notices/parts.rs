@@ -40,7 +40,22 @@ pub(super) fn of_packages(target: &str) -> Result<Vec<Part>, Failure> {
     }
     let metadata: Value = serde_json::from_slice(&output.stdout)
         .map_err(|error| format!("cargo metadata: invalid JSON: {error}"))?;
-    of_metadata(&metadata)
+    let mut parts = of_metadata(&metadata)?;
+    parts.push(definitions());
+    parts.sort_by(|a, b| (&a.name, &a.version).cmp(&(&b.name, &b.version)));
+    Ok(parts)
+}
+
+/// MaterialX's definitions, which a crate of ours embeds.
+fn definitions() -> Part {
+    Part {
+        name: "materialx-definitions".into(),
+        version: "1.39.5".into(),
+        license: "Apache-2.0".into(),
+        authors: vec!["Contributors to the MaterialX Project".into()],
+        repository: "https://github.com/AcademySoftwareFoundation/MaterialX".into(),
+        folder: command::root().join("crates/materialx/library"),
+    }
 }
 
 fn of_metadata(metadata: &Value) -> Result<Vec<Part>, Failure> {

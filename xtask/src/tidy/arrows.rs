@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 28] = [
+const ARROWS: [(&str, &[&str]); 29] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -13,12 +13,13 @@ const ARROWS: [(&str, &[&str]); 28] = [
     ("image", &[]),
     ("denoise", &["simd", "image"]),
     ("scene", &["image"]),
-    ("usd", &["image", "scene"]),
+    ("usd", &["image", "scene", "materialx"]),
     ("shading", &["simd", "image", "accel"]),
+    ("materialx", &[]),
     ("sl-lib", &[]),
     ("pbrt", &["scene", "sl-lib"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
-    ("sl-shading", &["simd", "accel", "image", "shading", "sl", "sl-lib", "jit"]),
+    ("sl-shading", &["simd", "accel", "image", "shading", "sl", "sl-lib", "jit", "materialx"]),
     (
         "gnurt",
         &["simd", "accel", "image", "denoise", "scene", "usd", "shading", "render", "sl-shading", "pbrt"],

@@ -85,8 +85,9 @@ pub(crate) struct FrameArguments {
     /// Make every material a Lambertian reflector of its base colour
     #[arg(help_heading = "Look", hide_short_help = true, long)]
     pub(crate) force_diffuse: bool,
-    /// Shade a material (* = all) by a shader: a file (.osl, .oso, .oslgroup), or a class of libOpenRT, built-in or from a
-    /// plugin's FILE. Values: numbers between commas, textures as @FILE. A light's FILE.osl needs no material; repeatable
+    /// Shade a material (* = all) by a shader: a file (.osl, .oso, .oslgroup, or FILE.mtlx[:NODE] of MaterialX), or a class of
+    /// libOpenRT, built-in or from a plugin's FILE. Values: numbers between commas, textures as @FILE. A light's FILE.osl needs
+    /// no material; repeatable
     #[arg(
         help_heading = "Look", hide_short_help = true,
         long = "shader",
@@ -97,6 +98,9 @@ pub(crate) struct FrameArguments {
         conflicts_with = "force_diffuse"
     )]
     pub(crate) shaders: Vec<ShaderChoice>,
+    /// Search a folder for files that shaders include, after their own folders; repeatable
+    #[arg(help_heading = "Look", hide_short_help = true, long, value_name = "DIR", action = clap::ArgAction::Append)]
+    pub(crate) include: Vec<PathBuf>,
     /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2
     /// or instances.NAME.visible=false; one number keeps a light's colour; repeatable
     #[arg(

@@ -88,6 +88,45 @@ fn one_material_of_several_and_a_texture() {
 }
 
 #[test]
+fn documents_of_materialx_are_shaders() {
+    let folder = Folder::new();
+    folder.write("scene.obj", super::samples::OBJ);
+    folder.write("scene.mtl", "newmtl red\nKd 0.8 0.1 0.1\n");
+    let unlit = |name: &str, color: &str| {
+        format!(
+            "<surface_unlit name=\"S_{name}\" type=\"surfaceshader\"><input name=\"emission_color\" type=\"color3\" \
+             value=\"{color}\"/></surface_unlit><surfacematerial name=\"{name}\" type=\"material\"><input \
+             name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S_{name}\"/></surfacematerial>"
+        )
+    };
+    let document = format!(
+        "<materialx version=\"1.39\">{}{}</materialx>",
+        unlit("red", "0,1,0"),
+        unlit("blue", "0,0,1")
+    );
+    folder.write("two.mtlx", &document);
+    let line = "render scene.obj -r 16x12 --spp 1 --shader";
+    let shown = |name: &str, choice: &str| {
+        folder.gnurt(&format!("{line} {choice} -o {name}")).success();
+        let color = picture(&folder, name).color;
+        let [r, g, b, _] = color[color.len() / 2 + 8];
+        [r, g, b]
+    };
+    assert_eq!(shown("a.pfm", "*=two.mtlx"), [0.0, 1.0, 0.0], "the material's own name");
+    assert_eq!(shown("b.pfm", "red=two.mtlx:blue"), [0.0, 0.0, 1.0]);
+    assert_eq!(shown("c.pfm", "red=two.mtlx:blue:emission_color=0.5,0,0"), [0.5, 0.0, 0.0]);
+    let refused = |choice: &str, message: &str| {
+        folder
+            .run(&["render", "scene.obj", "-r", "8x8", "-o", "p.png", "--shader", choice])
+            .fails(1, message);
+    };
+    folder.write("others.mtlx", document.replace("name=\"red\"", "name=\"rust\""));
+    refused("*=others.mtlx", "name one of them: rust, blue");
+    refused("*=two.mtlx:green", "there is no 'green'; there are red, blue");
+    refused("*=none.mtlx", "none.mtlx");
+}
+
+#[test]
 fn wrong_shaders_are_refused() {
     let folder = Folder::new();
     compile(&folder, "diffuse", SAME);

@@ -45,6 +45,18 @@ fn each_closure_has_its_lobe() {
         ),
         (&format!("dielectric_bsdf (N, {zero}, color (1), color (1), 0.2, 0.2, 1.5, \"ggx\")"), Kind::Glass),
         (
+            &format!(
+                "dielectric_bsdf (N, {zero}, color (1), color (1), 0, 0, 1.5, \"ggx\", \"thin_walled\", 1)"
+            ),
+            Kind::SmoothPane,
+        ),
+        (
+            &format!(
+                "dielectric_bsdf (N, {zero}, color (0), color (1), 0.2, 0.2, 1.5, \"ggx\", \"thin_walled\", 1)"
+            ),
+            Kind::Pane,
+        ),
+        (
             &format!("dielectric_bsdf (N, {zero}, color (1), color (0), 0.2, 0.2, 1.5, \"ggx\")"),
             Kind::Microfacets,
         ),
@@ -255,4 +267,22 @@ fn a_closure_output_is_ci_where_a_shader_has_none() {
     let expected = point("Ci = color (0.2, 0.4, 0.6) * diffuse (N);");
     assert_eq!(out.point(0).bsdf.lobes().as_slice(), expected.bsdf.lobes().as_slice());
     assert_eq!(expected.bsdf.lobes().as_slice().len(), 1);
+}
+
+#[test]
+fn surface_shaders_of_materialx_are_taken_as_ci() {
+    let text = "struct surfaceshader { closure color bsdf; closure color edf; float opacity; };
+        shader s (output surfaceshader out = {0, 0, 1.0}) {
+            out.bsdf = diffuse (N);
+            out.edf = color (3) * emission ();
+            out.opacity = 0.25;
+        }";
+    let (hits, mut out) = (floor(1), ClosureBatch::default());
+    out.reset(1);
+    let made = script(text);
+    assert!(made.warnings().is_empty(), "{:?}", made.warnings());
+    made.surface().expect("a surface").evaluate(&hits, &mut out);
+    let point = out.point(0);
+    assert_eq!((point.emission, point.coverage), (Vec3::splat(3.0), 0.25), "of the part that is there");
+    assert_eq!(point.bsdf.lobes().as_slice().len(), 1);
 }

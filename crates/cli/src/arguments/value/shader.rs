@@ -60,9 +60,9 @@ pub(crate) fn surroundings(text: &str) -> Result<Surroundings, String> {
 
 /// `MATERIAL=CLASS[@FILE][:NAME=VALUE...]`. A backslash before `:`, `=`, `@` or a backslash makes it a letter like any other.
 pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
-    const RIGHT: &str = "give MATERIAL=CLASS, MATERIAL=FILE.osl, or MATERIAL=CLASS@FILE for a plugin's, and parameters as :NAME=VALUE; \
+    const RIGHT: &str = "give MATERIAL=CLASS, MATERIAL=FILE.osl, MATERIAL=FILE.mtlx[:NODE], or MATERIAL=CLASS@FILE for a plugin's, and parameters as :NAME=VALUE; \
                          within names \\ stands before :, = and @";
-    let mut parts = pieces(text, ':').into_iter();
+    let mut parts = pieces(text, ':').into_iter().peekable();
     let first = parts.next().unwrap_or_default();
     // A light's file determines its kind.
     let of_no_material = split_plain(first, '=').is_none() && gnurt_plugins::is_script(first);
@@ -76,6 +76,14 @@ pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
     {
         return Err(RIGHT.into());
     }
+    // A document has nodes, whose names may have colons.
+    let mut class = unescaped(class);
+    if class.ends_with(".mtlx") {
+        let is_parameter = |part: &&str| split_plain(part, '=').is_some();
+        while let Some(part) = parts.next_if(|part| !is_parameter(part)) {
+            class = format!("{class}:{}", unescaped(part));
+        }
+    }
     let pair = |part: &str| match split_plain(part, '=') {
         Some((name, value)) if !name.is_empty() && !value.is_empty() => {
             Ok((unescaped(name), unescaped(value)))
@@ -83,8 +91,7 @@ pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
         _ => Err(format!("'{part}' is not a parameter; {RIGHT}")),
     };
     let parameters = parts.map(pair).collect::<Result<_, _>>()?;
-    let (material, class) = (unescaped(material), unescaped(class));
-    Ok(ShaderChoice { material, class, file: file.map(PathBuf::from), parameters })
+    Ok(ShaderChoice { material: unescaped(material), class, file: file.map(PathBuf::from), parameters })
 }
 
 /// `[NAME=]FILE.osl[:NAME=VALUE...]`, or else a name or a number.

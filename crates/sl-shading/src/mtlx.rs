@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! MaterialX documents as scripts: `FILE.mtlx`, or `FILE.mtlx:NODE` for one of several materials, nodes or outputs of graphs.
+//! Tests: `tests/scripts/mtlx.rs`.
+
+use std::path::{Path, PathBuf};
+
+use crate::access::Access;
+
+/// How names of documents end.
+const END: &str = ".mtlx";
+
+/// The file of a name, and the node after it.
+#[must_use]
+pub fn split(name: &str) -> Option<(&str, Option<&str>)> {
+    if name.ends_with(END) {
+        return Some((name, None));
+    }
+    let at = name.find(".mtlx:")? + END.len();
+    let node = &name[at + 1..];
+    (!node.is_empty()).then_some((&name[..at], Some(node)))
+}
+
+/// A document's shader.
+pub(crate) struct Written {
+    pub(crate) text: String,
+    /// All files of the document.
+    pub(crate) files: Vec<PathBuf>,
+    pub(crate) warnings: Vec<String>,
+}
+
+#[cfg(feature = "materialx")]
+mod reading {
+    use gnurt_materialx::Document;
+
+    use super::{Access, Path, Written};
+
+    /// The document of a file, or of its text; what it includes is searched as `#include` is.
+    fn document(file: &Path, text: Option<&str>, access: &Access) -> Result<Document, String> {
+        let mut load = |path: &Path| {
+            let first = access.text(path);
+            let Some(name) = path.file_name().filter(|_| first.is_err()) else { return first };
+            let mut others = access.includes.iter().map(|folder| Path::new(folder).join(name));
+            others.find_map(|path| access.text(&path).ok()).map_or(first, Ok)
+        };
+        let read = match text {
+            Some(text) => Document::of_text(file, text, &mut load),
+            None => Document::open(file, &mut load),
+        };
+        read.map_err(|error| error.to_string())
+    }
+
+    /// The text of a document's node.
+    pub(crate) fn written(
+        file: &Path,
+        node: Option<&str>,
+        text: Option<&str>,
+        access: &Access,
+    ) -> Result<Written, String> {
+        let document = document(file, text, access)?;
+        let made = document.shader(node).map_err(|error| error.to_string())?;
+        let files = document.paths().map(Path::to_owned).collect();
+        Ok(Written { text: made.text, files, warnings: made.warnings })
+    }
+
+    /// The names of a document's materials.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn materials(file: &Path, access: &Access) -> Result<Vec<String>, String> {
+        Ok(document(file, None, access)?.materials())
+    }
+}
+
+#[cfg(not(feature = "materialx"))]
+mod reading {
+    use super::{Access, Path, Written};
+
+    fn none(file: &Path) -> String {
+        format!("{}: this build reads no MaterialX; its feature is `materialx`", file.display())
+    }
+
+    pub(crate) fn written(
+        file: &Path,
+        _: Option<&str>,
+        _: Option<&str>,
+        _: &Access,
+    ) -> Result<Written, String> {
+        Err(none(file))
+    }
+
+    /// The names of a document's materials.
+    ///
+    /// # Errors
+    /// This build reads none.
+    pub fn materials(file: &Path, _: &Access) -> Result<Vec<String>, String> {
+        Err(none(file))
+    }
+}
+
+pub use reading::materials;
+pub(crate) use reading::written;
+
+#[cfg(test)]
+mod tests {
+    use super::split;
+
+    #[test]
+    fn nodes_follow_files() {
+        assert_eq!(split("a/b.mtlx"), Some(("a/b.mtlx", None)));
+        assert_eq!(split("a/b.mtlx:ns:gold"), Some(("a/b.mtlx", Some("ns:gold"))));
+        assert_eq!(split("b.mtlx:graph/out"), Some(("b.mtlx", Some("graph/out"))));
+        assert_eq!((split("b.osl"), split("b.mtlx:")), (None, None));
+    }
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Documents of MaterialX as surfaces: lobes of their closures, parameters, included files, values read again.
+
+use gnurt_shading::SurfaceShader;
+use gnurt_shading::bsdf::{ClosureBatch, Kind};
+use gnurt_sl_shading::{Access, Script, materials_of_document};
+
+use super::floor::floor;
+
+const LIBRARY: &str = "<materialx version=\"1.39\"><standard_surface name=\"S\" type=\"surfaceshader\">\
+    <input name=\"specular\" type=\"float\" value=\"0\"/></standard_surface></materialx>";
+const DOCUMENT: &str = "<materialx version=\"1.39\"><xi:include href=\"library.mtlx\"/>\
+    <surfacematerial name=\"M\" type=\"material\"><input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/>\
+    </surfacematerial><surfacematerial name=\"N\" type=\"material\"/></materialx>";
+
+fn kinds(script: &Script) -> Vec<Kind> {
+    let (hits, mut out) = (floor(1), ClosureBatch::default());
+    out.reset(1);
+    let surface: std::sync::Arc<dyn SurfaceShader> = script.surface().expect("a surface");
+    surface.evaluate(&hits, &mut out);
+    out.point(0).bsdf.lobes().as_slice().iter().map(|lobe| lobe.kind).collect()
+}
+
+#[test]
+fn documents_are_surfaces() {
+    let [folder, library] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+    let file = folder.path().join("d.mtlx");
+    std::fs::write(&file, DOCUMENT).expect("a file");
+    std::fs::write(library.path().join("library.mtlx"), LIBRARY).expect("a file");
+    let none = Access::default();
+    assert!(Script::open(&file, &none).expect_err("a file is missing").contains("library.mtlx"));
+    let includes = vec![library.path().to_string_lossy().into_owned()];
+    let access = Access { includes, ..Access::default() };
+    assert_eq!(materials_of_document(&file, &access).expect("a document"), ["M", "N"]);
+    let why = Script::open(&file, &access).expect_err("two materials");
+    assert!(why.contains("name one of them: M, N"), "{why}");
+    let named = format!("{}:M", file.display());
+    let mut script = Script::open(named.as_ref(), &access).expect("a script");
+    assert_eq!(kinds(&script), [Kind::Diffuse], "nothing else has a weight");
+    script.set_text("coat", "1").expect("a parameter");
+    assert_eq!(kinds(&script), [Kind::Microfacets, Kind::Diffuse]);
+    let again = script.again().expect("it is read again");
+    assert_eq!(kinds(&again), kinds(&script), "with its values");
+}
