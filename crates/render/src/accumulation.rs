@@ -122,6 +122,7 @@ impl Accumulation {
             && (options.aovs, options.heatmap) == (self.options.aovs, self.options.heatmap)
             && film::tile_size(&options) == film::tile_size(&self.options)
             && options.piece == self.options.piece
+            && options.light_layers == self.options.light_layers
         {
             self.tiles.iter_mut().for_each(TileFilm::clear);
         } else {
@@ -300,6 +301,7 @@ impl Accumulation {
         if self.options.aovs {
             layers::add_layers(&mut picture, &self.tiles);
         }
+        layers::add_light(&mut picture, &self.tiles, &self.options.light_layers);
         picture
     }
 

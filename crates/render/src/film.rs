@@ -11,6 +11,7 @@ use gnurt_accel::{HitBatch, INVALID_ID};
 use gnurt_shading::Vec3s;
 
 use crate::aov::TileAovs;
+use crate::expressions::LightSums;
 use crate::options::RenderOptions;
 use crate::piece::Piece;
 use crate::state::{SavedState, put_f64, put_u32};
@@ -29,6 +30,8 @@ pub(crate) struct TileFilm {
     pub(crate) samples: u32,
     /// Other layers, if requested.
     pub(crate) aovs: Option<TileAovs>,
+    /// Layers of light, if requested.
+    pub(crate) light: LightSums,
     /// Cost per pixel so far, if requested.
     pub(crate) costs: Vec<u64>,
     /// Squares of red, green and blue, summed over samples; empty if the variance is not requested.
@@ -72,6 +75,7 @@ impl TileFilm {
         Self::rects(region, options)
             .map(|rect| {
                 let mut tile = Self::new(rect, options.aovs, options.aovs);
+                tile.light = LightSums::new(options.light_layers.len(), tile.first.len());
                 if options.heatmap {
                     tile.costs = vec![0; tile.first.len()];
                 }
@@ -85,7 +89,8 @@ impl TileFilm {
         let first = vec![[0.0; 4]; pixels];
         let squares = if squares { vec![[0.0; 3]; pixels] } else { Vec::new() };
         let aovs = aovs.then(|| TileAovs::new(pixels));
-        Self { rect, first, sums: Vec::new(), samples: 0, aovs, costs: Vec::new(), squares, target: 0 }
+        let (sums, costs, light) = Default::default();
+        Self { rect, first, sums, samples: 0, aovs, light, costs, squares, target: 0 }
     }
 
     /// Drops all samples; keeps the memory. The first sample will overwrite the old one.
@@ -93,6 +98,7 @@ impl TileFilm {
         self.sums.clear();
         (self.samples, self.target) = (0, 0);
         self.costs.fill(0);
+        self.light.clear();
         if let Some(aovs) = &mut self.aovs {
             *aovs = TileAovs::new(self.first.len());
         }
@@ -231,6 +237,7 @@ impl SavedState for TileFilm {
         if let Some(aovs) = &mut self.aovs {
             aovs.state(with);
         }
+        self.light.state(with);
     }
 }
 

@@ -6,6 +6,7 @@ use gnurt_accel::INVALID_ID;
 use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
 
 use crate::aov::{FirstHit, TileAovs};
+use crate::expressions::LightLayer;
 use crate::film::TileFilm;
 
 /// One plane of a picture of this width and number of pixels, gathered from the tiles.
@@ -22,6 +23,24 @@ fn gathered<T: Copy>(
         }
     }
     plane
+}
+
+/// Adds the layers of light of all tiles to the picture.
+pub(crate) fn add_light(picture: &mut Picture, tiles: &[TileFilm], layers: &[LightLayer]) {
+    let (width, pixels) = (picture.width as usize, picture.pixel_count());
+    for (number, layer) in layers.iter().enumerate() {
+        let mut planes = [(); 3].map(|()| vec![0.0; pixels]);
+        for tile in tiles {
+            let scale = 1.0 / f64::from(tile.samples.max(1));
+            for (i, [x, y]) in tile.pixels().enumerate() {
+                let sum = tile.light.get(number, i);
+                let at = y as usize * width + x as usize;
+                (0..3).for_each(|k| planes[k][at] = (sum[k] * scale) as f32);
+            }
+        }
+        let [r, g, b] = planes;
+        picture.layers.push(Layer::floats(&layer.name, [("R", r), ("G", g), ("B", b)]));
+    }
 }
 
 /// Adds the layers of all tiles to the picture. The visible background is not opaque.

@@ -12,6 +12,7 @@ use gnurt_shading::Vec3s;
 
 use crate::camera_batch::CameraBatch;
 use crate::cost::TileCosts;
+use crate::expressions::Ledger;
 use crate::film::TileFilm;
 use crate::integrators;
 use crate::job::Job;
@@ -48,6 +49,7 @@ impl<'a> Sampler<'a> {
         let mut tracer = BatchTracer::new(self.job.world, self.job.options, self.job.options.heatmap);
         tracer.cone = self.job.cone;
         tracer.lights = self.pass.map(|pass| pass as _);
+        tracer.wavefront.ledger = self.job.light_paths.clone().map(Ledger::new);
         tracer
     }
 
@@ -68,6 +70,8 @@ impl<'a> Sampler<'a> {
         integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, &mut radiance);
         // A pixel shader's rays have lanes of their own.
         let veiled = std::mem::take(&mut tracer.veiled);
+        let ledger = tracer.wavefront.ledger.take();
+        let taken = if ledger.is_some() { radiance.clone() } else { Vec3s::default() };
         pixels::show(self.job, self.pass, tracer, &batch, &mut radiance);
         tracer.veiled = veiled;
         for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
@@ -75,8 +79,12 @@ impl<'a> Sampler<'a> {
             if let Some(aovs) = &mut tile.aovs {
                 aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, &radiance);
             }
+            if let Some(ledger) = &ledger {
+                tile.light.add(&ledger.layers, &taken, lanes.clone());
+            }
             tracer.stats.bad_samples += tile.add_sample(&radiance, (camera.hits, &tracer.veiled), lanes);
         }
+        tracer.wavefront.ledger = ledger;
         tracer.stats.camera_rays += camera.rays.len() as u64;
         tracer.stats.samples += camera.rays.len() as u64;
         batch.radiance = radiance;

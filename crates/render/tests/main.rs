@@ -15,6 +15,7 @@ mod edits;
 mod filtering;
 mod interleave;
 mod lanes;
+mod light_layers;
 mod lights;
 mod many_lights;
 mod media;

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::id::{CameraId, InstanceId, LightId, ObjectId};
+use crate::id::{CameraId, InstanceId, LightId, MaterialId, ObjectId};
 
 /// Facts about a scene's parts.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +23,30 @@ pub struct Labels {
     pub control_meshes: BTreeMap<ObjectId, ControlMesh>,
     /// Objects whose file names one material for the whole, or none (""), whatever parts of it are made of.
     pub bound_materials: BTreeMap<ObjectId, String>,
+    /// Groups of lights; a group is a layer of its own in pictures that are mixed later.
+    pub light_groups: BTreeMap<Shining, String>,
+}
+
+/// Something that gives off light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Shining {
+    /// A light without a surface.
+    Light(LightId),
+    /// The surfaces of an emissive material.
+    Material(MaterialId),
+    /// The surfaces of an instance; counts before their materials.
+    Instance(InstanceId),
+}
+
+impl Labels {
+    /// The names of all light groups, each once, ascending.
+    #[must_use]
+    pub fn group_names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.light_groups.values().map(String::as_str).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
 }
 
 /// A light with a surface.

@@ -15,6 +15,7 @@ use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 use super::medium_vertices::MediumVertices;
 use super::through::Through;
 use crate::cone::{Cone, Cones};
+use crate::expressions::Ledger;
 use crate::world::{Inside, Media};
 
 /// A continuing path.
@@ -442,4 +443,6 @@ pub(crate) struct Wavefront {
     pub(crate) radiance_only: Vec<u32>,
     pub(crate) closures: ClosureBatch,
     pub(crate) in_media: MediumVertices,
+    /// The accounts of layers of light, if some are requested.
+    pub(crate) ledger: Option<Ledger>,
 }

@@ -16,7 +16,8 @@ use gnurt_scene::{Affine, Scene};
 
 use super::dirty::DirtyParts;
 use super::instance::InstanceSlot;
-use super::lights::ChangedLights;
+use super::labels::WorldLabels;
+use super::lights::{ChangedLights, order_in_set};
 use super::media::Media;
 use super::open::{Open, Shutter};
 use super::table::{CommitOptions, CommitReport, ShaderTable};
@@ -137,6 +138,10 @@ impl World {
         if let Some(lights) = lights.after(changed, scene, shaders, pool) {
             report.made_lights = true;
             self.lights = Arc::new(lights);
+        }
+        if is_first || report.made_lights || !dirty.materials.is_empty() {
+            let emissive = &self.lights.emitters.instances;
+            self.labels = Arc::new(WorldLabels::new(scene, &order_in_set(scene), emissive));
         }
     }
 

@@ -13,6 +13,7 @@ mod dirty;
 mod emitters;
 mod grid;
 mod instance;
+mod labels;
 mod lights;
 mod material_table;
 mod materials;
@@ -47,6 +48,7 @@ use crowds::Crowds;
 use emitters::Shown;
 pub(crate) use grid::GridRay;
 use instance::InstanceSlot;
+pub(crate) use labels::{Names, WorldLabels};
 pub(crate) use lights::{Lights, LightsContent};
 pub(crate) use material_table::MaterialTable;
 pub(crate) use media::{Inside, Media, MediumEntry};
@@ -91,6 +93,7 @@ pub struct World {
     materials: Arc<MaterialTable>,
     lights: Arc<Lights>,
     media: Arc<Media>,
+    labels: Arc<WorldLabels>,
     face_normals: bool,
     /// The pixel shader, if pixels show more than the radiance along their rays.
     pixel: Option<Arc<dyn PixelShader>>,
@@ -335,6 +338,11 @@ impl World {
 
     pub(crate) fn lights(&self) -> &Lights {
         &self.lights
+    }
+
+    /// Names and groups of lights and materials.
+    pub(crate) fn labels(&self) -> &WorldLabels {
+        &self.labels
     }
 
     /// The media that paths fly through.

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Names and groups of what gives off light, and of materials, for light path expressions.
+//! Lights are in the order of a light set: points, spots, directional lights.
+//! Tests: crates/render/tests/light_layers.rs.
+
+use std::collections::BTreeMap;
+
+use gnurt_scene::labels::Shining;
+use gnurt_scene::{InstanceId, Light, LightId, MaterialId, Scene};
+
+/// Names of one thing, and the group of its light.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Names {
+    pub(crate) name: String,
+    pub(crate) group: Option<String>,
+}
+
+/// The labels of a world.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct WorldLabels {
+    /// By material id.
+    pub(crate) materials: Vec<Names>,
+    /// Lights without a surface, but the environment.
+    pub(crate) lights: Vec<Names>,
+    pub(crate) environment: Names,
+    /// Instances with an emissive mesh, by id.
+    pub(crate) instances: BTreeMap<u32, Names>,
+}
+
+impl WorldLabels {
+    /// `order`: the lights as a light set has them; `emissive`: the instances with an emissive mesh.
+    pub(super) fn new(scene: &Scene, order: &[LightId], emissive: &[u32]) -> Self {
+        let labels = scene.labels();
+        let group = |shining| labels.light_groups.get(&shining).cloned();
+        let of_light = |&id: &LightId| Names {
+            name: labels.lights.get(&id).cloned().unwrap_or_else(|| id.0.to_string()),
+            group: group(Shining::Light(id)),
+        };
+        let is_environment = |light: &Light| matches!(light, Light::Environment { .. });
+        let environment = scene.lights().iter().rposition(is_environment).map(|id| LightId(id as u32));
+        let materials = (0..).zip(scene.materials()).map(|(id, material)| Names {
+            name: material.name.clone(),
+            group: group(Shining::Material(MaterialId(id))),
+        });
+        let instances = emissive.iter().map(|&id| {
+            let name = scene.instances()[id as usize].name.clone();
+            (id, Names { name, group: group(Shining::Instance(InstanceId(id))) })
+        });
+        Self {
+            materials: materials.collect(),
+            lights: order.iter().map(of_light).collect(),
+            environment: environment.as_ref().map(of_light).unwrap_or_default(),
+            instances: instances.collect(),
+        }
+    }
+}
