@@ -55,6 +55,7 @@ pub fn meter(
         noise: None,
         interleave: 1,
         aovs: false,
+        light_layers: Vec::new(),
         heatmap: false,
         piece: None,
         time_limit: None,

@@ -15,6 +15,8 @@ pub use crate::size::format_bytes;
 const PER_PIXEL: u64 = 64;
 /// Albedo, normal, position, depth, ids and background, and their bytes in the file.
 const LAYERS_PER_PIXEL: u64 = 360;
+/// A layer of light: sums, the mean, and its bytes in the file.
+const LIGHT_LAYER_PER_PIXEL: u64 = 60;
 /// Costs and their colours.
 const HEAT_PER_PIXEL: u64 = 40;
 /// The output of a denoiser.
@@ -25,9 +27,10 @@ const CLEAN_PER_PIXEL: u64 = 160;
 pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
     let layers = if options.aovs || is_denoised { LAYERS_PER_PIXEL } else { 0 };
     let clean = if is_denoised { CLEAN_PER_PIXEL } else { 0 };
+    let light = LIGHT_LAYER_PER_PIXEL * options.light_layers.len() as u64;
     let heat = if options.heatmap { HEAT_PER_PIXEL } else { 0 };
     let pixels = u64::from(options.width) * u64::from(options.height);
-    pixels.saturating_mul(PER_PIXEL + layers + clean + heat)
+    pixels.saturating_mul(PER_PIXEL + layers + light + clean + heat)
 }
 
 /// Whether the picture fits into the free memory of the machine.

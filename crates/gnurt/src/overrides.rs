@@ -4,6 +4,7 @@
 //! fields, with their ranges.
 //! Tests: `tests`, crates/cli/tests/program/overrides.rs.
 
+use gnurt_scene::labels::Shining;
 use gnurt_scene::material::{Alpha, Principled};
 use gnurt_scene::{InstanceId, Light, LightId, Material, MaterialId, Scene, Surface};
 
@@ -12,10 +13,11 @@ use gnurt_scene::{InstanceId, Light, LightId, Material, MaterialId, Scene, Surfa
 /// * `materials.NAME.FIELD`: base_color, metallic, roughness, ior, specular, clearcoat, transmission, emission, opacity and others; an
 ///   error lists those of the material's kind. Colours are linear: three numbers `r,g,b`, or one for a grey. A texture of the
 ///   field stays, and is multiplied.
-/// * `lights.NUMBER.intensity`: the number counts from 0 in the order of `gnurt info`. One number sets the largest channel and
-///   keeps the colour; three numbers set the channels. The unit is the light's own (W/sr, W/m² or radiance).
+/// * `lights.NAME.intensity`: a name of the file, or the number from 0 in the order of `gnurt info`. One number sets the largest
+///   channel and keeps the colour; three numbers set the channels. The unit is the light's own (W/sr, W/m² or radiance).
 ///   `materials.NAME.emission` takes the same two forms.
 /// * `instances.NAME.visible`: `true` or `false`.
+/// * `group` of lights, materials and instances: the light group of what they give off; any name.
 ///
 /// `*` as a name means all of them: those without the field stay as they are, but one must have it.
 ///
@@ -98,6 +100,9 @@ impl Override {
     /// The scene is then unchanged, except for elements before the faulty one under `*`.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         let places = self.places(scene)?;
+        if self.field == "group" {
+            return self.put_into_group(&places, scene);
+        }
         let mut valid: Vec<&'static str> = Vec::new();
         let mut changed = 0;
         for place in places {
@@ -138,6 +143,27 @@ impl Override {
         Err(format!("{list}.{name}: unknown field '{}'; valid are: {valid}", self.field))
     }
 
+    fn put_into_group(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
+        let is_fine = |c: char| c.is_alphanumeric() || "_-. ".contains(c);
+        if !self.value.chars().all(is_fine) {
+            return Err(format!(
+                "{}.{}.group: invalid value '{}'; give letters, digits, _ - . and spaces",
+                self.list_name(),
+                self.name,
+                self.value
+            ));
+        }
+        for &place in places {
+            let shining = match self.list {
+                List::Materials => Shining::Material(MaterialId(place)),
+                List::Lights => Shining::Light(LightId(place)),
+                List::Instances => Shining::Instance(InstanceId(place)),
+            };
+            scene.labels_mut().light_groups.insert(shining, self.value.clone());
+        }
+        Ok(())
+    }
+
     fn list_name(&self) -> &'static str {
         LISTS.iter().find(|(_, list)| *list == self.list).map_or("", |(name, _)| name)
     }
@@ -146,7 +172,15 @@ impl Override {
     fn places(&self, scene: &Scene) -> Result<Vec<u32>, String> {
         let names: Vec<String> = match self.list {
             List::Materials => scene.materials().iter().map(|material| material.name.clone()).collect(),
-            List::Lights => (0..scene.lights().len()).map(|number| number.to_string()).collect(),
+            List::Lights => {
+                let name = |number: u32| {
+                    let named = scene.labels().lights.get(&LightId(number));
+                    // Numbers mean a light whatever its name is.
+                    let is_number = self.name == number.to_string();
+                    named.filter(|_| !is_number).cloned().unwrap_or_else(|| number.to_string())
+                };
+                (0..scene.lights().len() as u32).map(name).collect()
+            }
             List::Instances => scene.instances().iter().map(|instance| instance.name.clone()).collect(),
         };
         let meant = |name: &String| self.name == "*" || *name == self.name;

@@ -121,7 +121,7 @@ pub enum RenderError {
     },
     /// A light path expression that cannot be used.
     #[error(transparent)]
-    Expression(#[from] ExpressionError),
+    Expression(ExpressionError),
     /// A pixel that the picture does not have.
     #[error("pixel {x},{y} is outside of the picture of {width}x{height} pixels")]
     NoSuchPixel {

@@ -73,7 +73,7 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
         Layer::floats(BACKGROUND, [("R", r), ("G", g), ("B", b), ("A", a)]),
         Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
         Layer::floats("variance", [("R", variance(0)), ("G", variance(1)), ("B", variance(2))]),
-        Layer::floats("emission", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]),
+        Layer::floats("unscattered", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]),
         Layer::floats("N", [("X", normal(0)), ("Y", normal(1)), ("Z", normal(2))]),
         Layer::floats("P", [("X", position(0)), ("Y", position(1)), ("Z", position(2))]),
         Layer::floats("depth", [("Z", depth)]),

@@ -216,7 +216,7 @@ impl RenderOptions {
             if self.integrator != Integrator::Path {
                 return Err(RenderError::LayersOfLight { integrator: self.integrator.name() });
             }
-            expressions::check(&self.light_layers)?;
+            expressions::check(&self.light_layers).map_err(RenderError::Expression)?;
         }
         if let Some(piece) = self.piece {
             if piece.index >= piece.count {

@@ -32,9 +32,12 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) heatmap: Option<PathBuf>,
-    /// Layers of an EXR: all, none, or some of albedo, background, depth, emission, ids, motion (of --frames), normal, position, variance between commas; denoise = all that a denoiser needs [default: all]
-    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true, conflicts_with = "piece")]
+    /// Layers of an EXR between commas: all, none, or some of albedo, background, depth, ids, motion (of --frames), normal, position, unscattered, variance; denoise = all that a denoiser needs; of the light of path: direct, indirect, diffuse, glossy, transmission, volume (each also with _direct, _indirect), emission, environment, light:NAME (a light or light group), NAME=EXPRESSION (a light path expression, such as x=C<RD>L) [default: all but those of light]
+    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true)]
     pub(crate) layers: Option<LayerList>,
+    /// Add a layer to an EXR for each light group, and one for all other light; `gnurt relight` mixes them
+    #[arg(help_heading = "Picture", hide_short_help = true, long)]
+    pub(crate) light_groups: bool,
     /// Leave the background out of a PNG, which becomes transparent there; an EXR has it as a layer of its own anyway
     #[arg(help_heading = "Picture", hide_short_help = true, long, conflicts_with = "piece")]
     pub(crate) transparent: bool,

@@ -275,6 +275,11 @@ pub(crate) struct PictureFileArguments {
 }
 
 impl PictureFileArguments {
+    /// Stores an EXR's colours with 32 bits, unless other ones were requested.
+    pub(crate) fn exact(&mut self) {
+        self.bits.get_or_insert(32);
+    }
+
     /// These choices, and the defaults of the rest.
     pub(crate) fn options(self) -> WriteOptions {
         let default = WriteOptions::default();

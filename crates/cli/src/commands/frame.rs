@@ -12,8 +12,8 @@ use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::Picture;
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
-    Accumulation, CommitOptions, CommitReport, Frame, Piece, RenderOptions, RenderStats, ShaderTable, World,
-    fingerprint, render_on,
+    Accumulation, CommitOptions, CommitReport, Frame, Integrator, Piece, RenderOptions, RenderStats,
+    ShaderTable, World, fingerprint, render_on,
 };
 use gnurt::scene::Scene;
 use gnurt::scene::animation::Exposure;
@@ -223,8 +223,10 @@ pub(super) fn appear(
     plan: &Plan,
     options: &RenderOptions,
 ) {
-    if let Some(layers) = arguments.layers.as_ref().filter(|_| plan.targets.picture.has_layers()) {
-        layers.apply(picture);
+    // Pieces have all layers; the list is applied to their picture.
+    let chooses = plan.targets.picture.has_layers() && options.piece.is_none();
+    if let Some(layers) = arguments.layers.as_ref().filter(|_| chooses) {
+        layers.apply(picture, &options.light_layers);
     }
     if arguments.transparent && !plan.targets.picture.has_layers() {
         picture.drop_background();
@@ -297,10 +299,20 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
             picture.path().display()
         )));
     }
-    if arguments.layers.is_some() && !picture.has_layers() {
+    let needs_layers = [("--layers", arguments.layers.is_some()), ("--light-groups", arguments.light_groups)];
+    if let Some((option, _)) = needs_layers.into_iter().find(|&(_, given)| given && !picture.has_layers()) {
         return Err(Failure::usage(format_args!(
-            "--layers: {} has no layers; give an .exr",
+            "{option}: {} has no layers; give an .exr",
             picture.path().display()
+        )));
+    }
+    let integrator = arguments.frame.integrator;
+    let divides_light =
+        arguments.light_groups || arguments.layers.as_ref().is_some_and(|layers| !layers.light.is_empty());
+    if divides_light && integrator != Integrator::Path {
+        let option = if arguments.light_groups { "--light-groups" } else { "--layers" };
+        return Err(Failure::usage(format_args!(
+            "{option}: layers of light are unsupported with --integrator {integrator}; give --integrator path"
         )));
     }
     if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {
@@ -442,6 +454,7 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
         aovs: plan.targets.picture.has_layers() || plan.filter.is_some() || arguments.transparent,
         heatmap: plan.targets.heatmap.is_some(),
         piece: arguments.piece,
+        light_layers: arguments.layers.iter().flat_map(|layers| layers.light.clone()).collect(),
         ..frame_options(&arguments.frame, level)
     }
 }
@@ -500,9 +513,16 @@ pub(super) fn save(
     messages: Messages,
 ) -> Outcome {
     let known = ready.chosen.exposure_of(arguments.frame.integrator);
-    let light = ready.light.unwrap_or(arguments.light).suited(known);
+    let mut light = ready.light.unwrap_or(arguments.light).suited(known);
+    if !options.light_layers.is_empty() {
+        // Parts have 32 bits, and so has their sum.
+        light.file.exact();
+    }
     match options.piece {
-        Some(piece) => pieces::save(frame, piece, ready.print, light, options, &targets.picture)?,
+        Some(piece) => {
+            let layers = arguments.layers.as_ref().map(|layers| &layers.text[..]);
+            pieces::save(frame, piece, (ready.print, layers), light, options, &targets.picture)?;
+        }
         None => targets.picture.write_with(&frame.picture, light, messages)?,
     }
     let wrote = format!("wrote {}", targets.picture.path().display());

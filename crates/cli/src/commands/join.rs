@@ -53,7 +53,10 @@ pub(crate) fn run(arguments: &JoinArguments, environment: &Environment, messages
     whole.check_all_there()?;
     let used = whole.take_noise_out(arguments, &output, environment, messages)?;
     let picture = whole.finished(&output, used);
-    let light = arguments.light.suited(whole.header.exposure);
+    let mut light = arguments.light.suited(whole.header.exposure);
+    if !whole.header.light_layers.is_empty() {
+        light.file.exact();
+    }
     output.write_with(&picture, light, messages)?;
     messages.detail(format_args!("wrote {} from {} pieces", output.path().display(), whole.files.len()));
     Ok(())
@@ -186,6 +189,9 @@ impl Whole {
         let is_clean = denoiser.is_some();
         if let Some(name) = denoiser {
             picture.set_metadata("denoiser", name);
+        }
+        if let Some(layers) = self.header.layers.as_ref().filter(|_| output.has_layers()) {
+            layers.apply(&mut picture, &self.header.light_layers);
         }
         if !output.has_layers() {
             if !is_clean {

@@ -12,6 +12,7 @@ mod film;
 mod frame;
 pub(crate) mod info;
 pub(crate) mod join;
+mod light_layers;
 pub(crate) mod manuals;
 mod picture_info;
 mod pieces;

@@ -16,6 +16,7 @@ use gnurt::{FramePose, ThreadPool};
 
 use super::film::{Filtered, Shared};
 use super::frame::{Plan, Poses, Ready, Targets, commit_into, commit_options, identify, make};
+use super::light_layers;
 use crate::arguments::value::FrameRange;
 use crate::arguments::{ExposureChoice, LightArguments, RenderArguments, TimeArguments};
 use crate::clips::clip;
@@ -382,7 +383,9 @@ impl Studio<'_> {
         let closes = self.arguments.times.closes(frame.seconds);
         let keys = ready.motion.as_ref().map(|motion| &motion.keys);
         let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
-        let options = RenderOptions { seed: self.seed(frame.number), ..self.options.clone() };
+        let options = light_layers::with_groups(self.options, self.arguments, scene, messages);
+        light_layers::check(&ready.world, scene, &options)?;
+        let options = RenderOptions { seed: self.seed(frame.number), ..options };
         (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, &options);
         plan.targets = frame.targets;
         match (film, self.arguments.times.frames) {

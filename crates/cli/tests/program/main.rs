@@ -26,6 +26,7 @@ mod info;
 mod interface;
 mod interrupts;
 mod layers;
+mod light_layers;
 mod manuals;
 #[cfg(target_os = "linux")]
 mod out_of_core;

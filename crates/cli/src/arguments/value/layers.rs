@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The layers of a picture's file. Tests: `tests`, `tests/program/layers.rs`.
+//! The layers of a picture's file: words for those of surfaces and of light, lights by name, and light path expressions.
+//! Tests: `tests`, `tests/program/layers.rs`.
 
 use gnurt::image::{BACKGROUND, Picture};
+use gnurt::render::{GROUP_PREFIX, LightLayer, UNGROUPED};
 
 use crate::nearest::unknown;
 
@@ -9,45 +11,119 @@ use crate::nearest::unknown;
 const WORDS: [(&str, &[&str]); 10] = [
     ("albedo", &["albedo"]),
     ("background", &[BACKGROUND]),
-    ("denoise", &["albedo", "N", "variance", "emission", "depth", "id", "motion", BACKGROUND]),
+    ("denoise", &["albedo", "N", "variance", "unscattered", "depth", "id", "motion", BACKGROUND]),
     ("depth", &["depth", ""]),
-    ("emission", &["emission"]),
     ("ids", &["id"]),
     ("motion", &["motion"]),
     ("normal", &["N"]),
     ("position", &["P"]),
+    ("unscattered", &["unscattered"]),
     ("variance", &["variance"]),
 ];
 const ALL: &str = "all";
 const NONE: &str = "none";
+/// Before the name of a light or of a light group.
+const LIGHT: &str = "light:";
 
 /// A choice of layers.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct LayerList(Option<Vec<&'static str>>);
+pub(crate) struct LayerList {
+    /// Those of surfaces that are kept; `None` = all.
+    names: Option<Vec<&'static str>>,
+    /// Those of light.
+    pub(crate) light: Vec<LightLayer>,
+    /// As it was given.
+    pub(crate) text: String,
+}
 
-/// `all`, `none`, or words between commas.
+/// `all`, `none`, or words, `light:NAME` and `NAME=EXPRESSION` between commas.
 pub(crate) fn layers(text: &str) -> Result<LayerList, String> {
-    let mut names = Vec::new();
-    for word in text.split(',').map(str::trim) {
-        match WORDS.iter().find(|(known, _)| *known == word) {
-            Some((_, layers)) => names.extend_from_slice(layers),
-            None if text == ALL => return Ok(LayerList(None)),
-            None if text == NONE => return Ok(LayerList(Some(Vec::new()))),
-            None => {
-                let known: Vec<&str> =
-                    [ALL, NONE].into_iter().chain(WORDS.iter().map(|(word, _)| *word)).collect();
-                return Err(unknown("layer", word, &known));
+    let mut names = Some(Vec::new());
+    let mut light: Vec<LightLayer> = Vec::new();
+    let parts = parts(text);
+    for part in &parts {
+        let part = part.trim();
+        if let Some((_, layers)) = WORDS.iter().find(|(known, _)| *known == part) {
+            names.iter_mut().for_each(|names| names.extend_from_slice(layers));
+        } else if part == ALL {
+            names = None;
+        } else if part == NONE && parts.len() == 1 {
+        } else {
+            let layer = light_layer(part)?;
+            if light.iter().any(|known| known.name == layer.name) {
+                return Err(format!("two layers are called '{}'", layer.name));
             }
+            light.push(layer);
         }
     }
-    Ok(LayerList(Some(names)))
+    Ok(LayerList { names, light, text: text.replace(char::is_control, " ") })
+}
+
+/// A list at its commas, but those in counts, brackets and labels of expressions.
+fn parts(text: &str) -> Vec<String> {
+    let (mut parts, mut depth, mut is_label) = (vec![String::new()], 0_u32, false);
+    for c in text.chars() {
+        match c {
+            '\'' => is_label = !is_label,
+            '{' | '[' | '<' | '(' if !is_label => depth += 1,
+            '}' | ']' | '>' | ')' if !is_label => depth = depth.saturating_sub(1),
+            ',' if !is_label && depth == 0 => {
+                parts.push(String::new());
+                continue;
+            }
+            _ => {}
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push(c);
+        }
+    }
+    parts
+}
+
+fn light_layer(part: &str) -> Result<LightLayer, String> {
+    if let Some(layer) = LightLayer::of_word(part) {
+        return Ok(layer);
+    }
+    if let Some(name) = part.strip_prefix(LIGHT) {
+        let layer = LightLayer::of_light(name);
+        let made = LightLayer::new(layer.name, layer.expression).map_err(|error| error.to_string())?;
+        return check_name(name).map(|()| made);
+    }
+    let Some((name, expression)) = part.split_once('=') else {
+        let known = [ALL, NONE].into_iter().chain(WORDS.iter().map(|(word, _)| *word));
+        let known: Vec<&str> = known.chain(LightLayer::words()).collect();
+        let message = unknown("layer", part, &known);
+        return Err(format!(
+            "{message}; light:NAME is a light group, NAME=EXPRESSION a light path expression"
+        ));
+    };
+    let name = name.trim();
+    check_name(name)?;
+    let is_taken = WORDS.iter().any(|(word, layers)| *word == name || layers.contains(&name));
+    let is_color = ["R", "G", "B", "A", "Z"].contains(&name);
+    let is_group = name.starts_with(GROUP_PREFIX) || name == UNGROUPED;
+    if is_taken || is_color || is_group || LightLayer::of_word(name).is_some() {
+        return Err(format!("'{name}' is the name of another layer; give another one"));
+    }
+    LightLayer::new(name, expression.replace(char::is_control, " ")).map_err(|error| error.to_string())
+}
+
+fn check_name(name: &str) -> Result<(), String> {
+    const LONGEST: usize = 100;
+    let is_fine = |c: char| c.is_alphanumeric() || "_-. /".contains(c);
+    match !name.is_empty() && name.len() <= LONGEST && name.chars().all(is_fine) {
+        true => Ok(()),
+        false => Err(format!("invalid name '{name}'; give letters, digits, _ - . and /, up to {LONGEST}")),
+    }
 }
 
 impl LayerList {
-    /// Drops the layers that are not in it.
-    pub(crate) fn apply(&self, picture: &mut Picture) {
-        let Some(names) = &self.0 else { return };
-        let is_kept = |name: &str| names.contains(&name);
+    /// Drops the layers that are not in it; `light`: the layers of light of the picture.
+    pub(crate) fn apply(&self, picture: &mut Picture, light: &[LightLayer]) {
+        let Some(names) = &self.names else { return };
+        // Parts of the light make the whole of it, with the background.
+        let is_part = |name: &str| name == BACKGROUND || light.iter().any(|layer| layer.name == name);
+        let is_kept = |name: &str| names.contains(&name) || (!light.is_empty() && is_part(name));
         if !is_kept(BACKGROUND) {
             picture.drop_background();
         }
@@ -64,15 +140,29 @@ mod tests {
     fn lists_name_layers() {
         let kept = |text: &str| {
             let mut picture = Picture::new(1, 1);
-            for name in ["albedo", "N", "P", "depth", "", "id"] {
+            for name in ["albedo", "N", "P", "depth", "", "id", "direct", "x"] {
                 picture.layers.push(Layer::floats(name, [("X", vec![0.0])]));
             }
-            layers(text).expect("known words").apply(&mut picture);
+            let list = layers(text).expect("known words");
+            list.apply(&mut picture, &list.light);
             picture.layers.iter().map(|layer| layer.name.clone()).collect::<Vec<_>>()
         };
         assert_eq!(kept("normal, depth"), ["N", "depth", ""], "two of them");
-        assert_eq!((kept("none").len(), kept("all").len()), (0, 6), "none and all");
+        assert_eq!((kept("none").len(), kept("all").len()), (0, 8), "none and all");
+        assert_eq!(kept("normal,direct,x=C<RD>{1,2}[LO]"), ["N", "direct", "x"], "of light as well");
+        assert_eq!(kept("all,direct").len(), 8, "all of surfaces and one of light");
         assert!(layers("normals").expect_err("no such layer").contains("normal"), "the nearest word");
-        assert!(layers("all,none").is_err(), "words of their own");
+        for (bad, words) in [
+            ("all,none", "unknown layer 'none'"),
+            ("direct,direct", "two layers"),
+            ("x=C<R", "character 2"),
+            ("N=C.*", "another layer"),
+            ("a*b=C.*", "invalid name"),
+            ("light:", "invalid name"),
+            ("light:a'b", "invalid name"),
+        ] {
+            let message = layers(bad).expect_err(bad);
+            assert!(message.contains(words), "{bad}: {message}");
+        }
     }
 }
