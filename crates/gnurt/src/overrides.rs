@@ -145,7 +145,7 @@ impl Override {
 
     fn put_into_group(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
         let is_fine = |c: char| c.is_alphanumeric() || "_-. ".contains(c);
-        if !self.value.chars().all(is_fine) {
+        if !self.value.chars().all(is_fine) || self.value.len() > 100 {
             return Err(format!(
                 "{}.{}.group: invalid value '{}'; give letters, digits, _ - . and spaces",
                 self.list_name(),
@@ -159,7 +159,7 @@ impl Override {
                 List::Lights => Shining::Light(LightId(place)),
                 List::Instances => Shining::Instance(InstanceId(place)),
             };
-            scene.labels_mut().light_groups.insert(shining, self.value.clone());
+            scene.labels_mut().set_light_group(shining, &self.value);
         }
         Ok(())
     }
@@ -183,7 +183,9 @@ impl Override {
             }
             List::Instances => scene.instances().iter().map(|instance| instance.name.clone()).collect(),
         };
-        let meant = |name: &String| self.name == "*" || *name == self.name;
+        // Paths are known by their last part as well.
+        let is_last = |name: &str| name.rsplit('/').next() == Some(&self.name[..]);
+        let meant = |name: &String| self.name == "*" || *name == self.name || is_last(name);
         let places: Vec<u32> = (0..).zip(&names).filter(|(_, name)| meant(name)).map(|(i, _)| i).collect();
         if !places.is_empty() {
             return Ok(places);

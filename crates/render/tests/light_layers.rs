@@ -223,7 +223,7 @@ fn parts_have_their_own_parts() {
     }
 }
 
-/// Light of paths with two edges is what a rendering with two edges shows.
+/// Light of paths with two edges equals a rendering with two edges.
 #[test]
 fn direct_light_is_that_of_short_paths() {
     // Light of points through smooth glass counts as direct, though its paths are longer.
@@ -239,7 +239,7 @@ fn direct_light_is_that_of_short_paths() {
     }
 }
 
-/// Without its colour, plastic reflects what its glossy lobes reflect; the rest is diffuse.
+/// Without its colour, plastic reflects by its glossy lobes alone; the rest is diffuse.
 #[test]
 fn lobes_are_told_apart_by_colour() {
     let scene = |color| {

@@ -38,7 +38,19 @@ pub enum Shining {
     Instance(InstanceId),
 }
 
+/// Longest name of a light group.
+const LONGEST_GROUP: usize = 100;
+
 impl Labels {
+    /// Puts the light of something into a group. Characters that names of layers cannot have become `_`.
+    pub fn set_light_group(&mut self, shining: Shining, group: &str) {
+        let fine = |c: char| if c.is_alphanumeric() || "_-. ".contains(c) { c } else { '_' };
+        let name: String = group.trim().chars().take(LONGEST_GROUP).map(fine).collect();
+        if !name.is_empty() {
+            self.light_groups.insert(shining, name);
+        }
+    }
+
     /// The names of all light groups, each once, ascending.
     #[must_use]
     pub fn group_names(&self) -> Vec<&str> {

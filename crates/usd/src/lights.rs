@@ -6,10 +6,10 @@
 use std::f64::consts::PI;
 
 use gnurt_scene::io::reader::Meaning;
-use gnurt_scene::labels::Luminaire;
+use gnurt_scene::labels::{Luminaire, Shining};
 use gnurt_scene::material::{Color, Material, Surface, TextureRef};
 use gnurt_scene::texture::{Filter, Texture, Wrap};
-use gnurt_scene::{Affine, Light, Mesh, MeshId, TextureId};
+use gnurt_scene::{Affine, Light, LightId, Mesh, MeshId, TextureId};
 use openusd::sdf::{Path, Value};
 
 use crate::builder::{Builder, Placed, State};
@@ -19,6 +19,9 @@ use crate::value;
 
 /// Sides of luminaires: each triangle is a light of its own.
 const BALL: [u32; 2] = [24, 12];
+/// Attributes that put a light into a group.
+const GROUPS: [&str; 4] =
+    ["lightGroup", "ri:light:lightGroup", "inputs:ri:light:lightGroup", "userProperties:lightGroup"];
 
 impl Reader {
     fn light_number(&self, prim: &Path, name: &str, fallback: f64) -> f64 {
@@ -64,6 +67,18 @@ fn blackbody(kelvin: f64) -> [f64; 3] {
 }
 
 impl Builder<'_> {
+    /// Puts the light of a prim into its group, if it has one.
+    fn put_into_group(&mut self, prim: &Path, shining: Shining) {
+        let group = GROUPS.iter().find_map(|name| self.reader.word(prim, name));
+        group.iter().for_each(|group| self.scene.labels_mut().set_light_group(shining, group));
+    }
+
+    /// Names a light without a surface.
+    fn name(&mut self, prim: &Path, light: LightId) {
+        self.scene.labels_mut().lights.insert(light, prim.as_str().to_owned());
+        self.put_into_group(prim, Shining::Light(light));
+    }
+
     /// Adds a light: to the scene, or to `placed` where it has a surface.
     pub(crate) fn light(&mut self, prim: &Path, kind: &str, state: &State, placed: &mut Vec<Placed>) {
         let reader = self.reader;
@@ -150,7 +165,7 @@ impl Builder<'_> {
         let direction = transform.vector([0.0, 0.0, -1.0]).map(|x| x as f32);
         let irradiance = radiance.map(|x| (x * share) as f32);
         let light = self.scene.add_light(Light::Directional { direction, irradiance });
-        self.scene.labels_mut().lights.insert(light, prim.as_str().to_owned());
+        self.name(prim, light);
     }
 
     /// A light from one point, in a cone where it is shaped.
@@ -183,7 +198,7 @@ impl Builder<'_> {
             Light::Point { position, intensity }
         };
         let light = self.scene.add_light(light);
-        self.scene.labels_mut().lights.insert(light, prim.as_str().to_owned());
+        self.name(prim, light);
     }
 
     fn dome(&mut self, prim: &Path, transform: &Affine) {
@@ -208,7 +223,7 @@ impl Builder<'_> {
             reader.unsupported(prim, "a second dome, it takes the place of the first");
         }
         let light = self.scene.add_light(Light::Environment { radiance, texture, world_from_light });
-        self.scene.labels_mut().lights.insert(light, prim.as_str().to_owned());
+        self.name(prim, light);
     }
 
     fn light_texture(&mut self, prim: &Path, wrap: [Wrap; 2]) -> Option<TextureId> {
@@ -282,6 +297,7 @@ impl Builder<'_> {
         material.emission = radiance.map(|x| x as f32);
         material.emission_texture = texture.map(TextureRef::new);
         let material = self.scene.add_material(material);
+        self.put_into_group(prim, Shining::Material(material));
         let mesh = self.scene.edit_mesh(id);
         mesh.material = material;
         // Flat, as light leaves it.

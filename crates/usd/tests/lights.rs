@@ -96,3 +96,16 @@ fn what_is_not_there_is_named() {
         "{reported}"
     );
 }
+
+#[test]
+fn attributes_put_lights_into_groups() {
+    let loaded = load(
+        r#"
+def RectLight "Key" { token ri:light:lightGroup = "key" }
+def DomeLight "Sky" { string lightGroup = "sky" }
+def DistantLight "Sun" { float inputs:angle = 0 }
+"#,
+    );
+    assert_eq!(loaded.scene.labels().group_names(), ["key", "sky"]);
+    assert_eq!(loaded.scene.labels().light_groups.len(), 2);
+}

@@ -32,7 +32,7 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) heatmap: Option<PathBuf>,
-    /// Layers of an EXR between commas: all, none, or some of albedo, background, depth, ids, motion (of --frames), normal, position, unscattered, variance; denoise = all that a denoiser needs; of the light of path: direct, indirect, diffuse, glossy, transmission, volume (each also with _direct, _indirect), emission, environment, light:NAME (a light or light group), NAME=EXPRESSION (a light path expression, such as x=C<RD>L) [default: all but those of light]
+    /// Layers of an EXR between commas: all, none, denoise, normal and others of surfaces, direct and others of light, light:NAME, NAME=EXPRESSION (a light path expression); a wrong word lists all [default: all of surfaces]
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true)]
     pub(crate) layers: Option<LayerList>,
     /// Add a layer to an EXR for each light group, and one for all other light; `gnurt relight` mixes them

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All light path expressions of a picture as one deterministic automaton: a state per path, a table from
-//! state and event to the next state, and the layers that a path of a state belongs to when it ends at a light.
+//! All light path expressions of a picture as one deterministic automaton. A path has a state; a table gives the
+//! next state for an event, and the layers of a path of that state that ends at a light.
 //! Source: [Tho68] (expressions to nondeterministic automata), [RS59] (sets of states). States from which no light
 //! can be matched are the state [`DEAD`].
 //! Invariant: a word is accepted by layer `k` exactly if expression `k` matches it. Sizes are bounded.

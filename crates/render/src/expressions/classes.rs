@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The events of a world's paths: which class each material and each light is of.
-//! A label `'x'` is a name, or the group of a light; `'@x'` is the group alone, and `'@'` a light without one.
+//! A label `'x'` is a name, the last part of a path, or the group of a light; `'@x'` is the group alone, and `'@'` a
+//! light without one.
 //! Names of emissive surfaces are those of their material and of their instance.
 //! Tests: crates/render/tests/light_layers.rs.
 
@@ -47,7 +48,7 @@ fn mask(labels: &[String], names: &[&Names]) -> u64 {
     let has = |label: &str| match label.strip_prefix('@') {
         Some("") => group.is_none(),
         Some(only) => group == Some(only),
-        None => group == Some(label) || names.iter().any(|names| names.name == label),
+        None => group == Some(label) || names.iter().any(|names| names.is(label)),
     };
     (0..).zip(labels).filter(|(_, label)| has(label)).fold(0, |bits, (i, _)| bits | 1 << i)
 }

@@ -36,9 +36,7 @@ pub fn unknown_labels(world: &World, layers: &[LightLayer]) -> Result<Vec<String
     let has = |label: &str| {
         let (only, is_group) = label.strip_prefix('@').map_or((label, false), |rest| (rest, true));
         only.is_empty()
-            || all
-                .clone()
-                .any(|names| names.group.as_deref() == Some(only) || (!is_group && names.name == only))
+            || all.clone().any(|names| names.group.as_deref() == Some(only) || (!is_group && names.is(only)))
     };
     Ok(labels_of(layers)?.into_iter().filter(|label| !has(label)).collect())
 }

@@ -257,7 +257,7 @@ impl Parser<'_> {
         Ok(Pattern { types, scattering, labels: LabelPattern::Any })
     }
 
-    /// `<type scattering labels>`; what is left out may be anything.
+    /// `<type scattering labels>`; missing parts may be anything.
     fn joined(&mut self) -> Result<Pattern, ExpressionError> {
         let begin = self.at;
         self.at += 1;

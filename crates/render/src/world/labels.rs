@@ -15,6 +15,13 @@ pub(crate) struct Names {
     pub(crate) group: Option<String>,
 }
 
+impl Names {
+    /// Whether it has this name, or a path that ends so.
+    pub(crate) fn is(&self, name: &str) -> bool {
+        self.name == name || self.name.rsplit('/').next() == Some(name).filter(|name| !name.is_empty())
+    }
+}
+
 /// The labels of a world.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorldLabels {

@@ -257,6 +257,13 @@ pub(super) struct Light<'a> {
     pub(super) intensity: f32,
     #[serde(default)]
     pub(super) spot: Cone,
+    #[serde(default)]
+    pub(super) extras: Option<serde_json::Value>,
+}
+
+/// The light group in `extras`.
+pub(super) fn light_group(extras: Option<&serde_json::Value>) -> Option<&str> {
+    extras?.get("light_group")?.as_str()
 }
 
 #[derive(Deserialize)]
@@ -408,6 +415,15 @@ impl Material<'_> {
     /// another program.
     pub(super) fn shader(&self) -> Option<NamedShader> {
         shader_in(&mut serde_json::Deserializer::from_str(self.extras?.get()))
+    }
+
+    /// The light group in `extras`.
+    pub(super) fn light_group(&self) -> Option<String> {
+        #[derive(Deserialize)]
+        struct Extras {
+            light_group: String,
+        }
+        serde_json::from_str::<Extras>(self.extras?.get()).ok().map(|extras| extras.light_group)
     }
 
     /// Bytes of `extras`.
