@@ -89,6 +89,7 @@ pub mod memory;
 mod named_shaders;
 mod numbered;
 mod overrides;
+pub mod relight;
 mod script_sky;
 mod size;
 mod surroundings;

@@ -16,6 +16,7 @@ mod light_layers;
 pub(crate) mod manuals;
 mod picture_info;
 mod pieces;
+pub(crate) mod relight;
 pub(crate) mod render;
 pub(crate) mod scenes;
 mod times;

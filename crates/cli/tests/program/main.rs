@@ -34,6 +34,7 @@ mod output;
 mod overrides;
 mod pieces;
 mod recoverable;
+mod relight;
 mod samples;
 #[cfg(target_os = "linux")]
 mod scripts;

@@ -7,6 +7,7 @@ mod bench;
 mod display_values;
 mod eye;
 mod frame;
+mod gain;
 mod layers;
 mod moment;
 mod plain;
@@ -20,6 +21,7 @@ pub(crate) use display_values::{
 };
 pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
 pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};
+pub(crate) use gain::gain;
 pub(crate) use layers::{LayerList, layers};
 pub(crate) use moment::{FrameRange, frames, frames_per_second, seconds, shutter, time};
 pub(crate) use sampling::{
