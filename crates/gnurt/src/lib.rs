@@ -85,6 +85,7 @@ mod error;
 mod ffi_heap;
 mod film_motion;
 mod load;
+pub mod mattes;
 pub mod memory;
 mod named_shaders;
 mod numbered;

@@ -8,6 +8,8 @@
 use gnurt_image::{BACKGROUND, ChannelData, Layer, Picture};
 use gnurt_render::{GROUP_PREFIX, UNGROUPED};
 
+use crate::mattes::is_matte;
+
 /// The name of the light in no group.
 pub const REST: &str = "rest";
 /// What Cycles puts before the name of a group.
@@ -95,7 +97,9 @@ pub fn relight(picture: &mut Picture, gains: &[Gain]) -> Result<(), String> {
             floats_mut(layer, name).into_iter().flatten().for_each(|value| *value *= gain);
         }
     }
-    picture.layers.retain(|layer| KEPT.contains(&&layer.name[..]) || group_of(&layer.name).is_some());
+    picture.layers.retain(|layer| {
+        KEPT.contains(&&layer.name[..]) || group_of(&layer.name).is_some() || is_matte(&layer.name)
+    });
     Ok(())
 }
 

@@ -9,6 +9,7 @@
 
 use crate::film::TileFilm;
 use crate::job::Job;
+use crate::mattes::Mattes;
 use crate::options::RenderOptions;
 use crate::sampler::Sampler;
 use crate::stats::RenderStats;
@@ -24,7 +25,7 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
     let most = job.options.spp;
     let options =
         RenderOptions { seed: job.options.seed ^ PILOT, aovs: false, heatmap: false, ..job.options.clone() };
-    let options = RenderOptions { light_layers: Vec::new(), ..options };
+    let options = RenderOptions { light_layers: Vec::new(), mattes: Mattes::default(), ..options };
     let pilot = Job::new(job.world, job.camera, &options, job.watch);
     let pilot = Sampler { job: &pilot, pass: None };
     let mut tile = TileFilm::new(rect, false, true);

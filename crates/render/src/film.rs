@@ -12,6 +12,7 @@ use gnurt_shading::Vec3s;
 
 use crate::aov::TileAovs;
 use crate::expressions::LightSums;
+use crate::mattes::TileMattes;
 use crate::options::RenderOptions;
 use crate::piece::Piece;
 use crate::state::{SavedState, put_f64, put_u32};
@@ -32,6 +33,8 @@ pub(crate) struct TileFilm {
     pub(crate) aovs: Option<TileAovs>,
     /// Layers of light, if requested.
     pub(crate) light: LightSums,
+    /// Mattes, if requested.
+    pub(crate) mattes: TileMattes,
     /// Cost per pixel so far, if requested.
     pub(crate) costs: Vec<u64>,
     /// Squares of red, green and blue, summed over samples; empty if the variance is not requested.
@@ -76,6 +79,7 @@ impl TileFilm {
             .map(|rect| {
                 let mut tile = Self::new(rect, options.aovs, options.aovs);
                 tile.light = LightSums::new(options.light_layers.len(), tile.first.len());
+                tile.mattes = TileMattes::new(&options.mattes, tile.first.len());
                 if options.heatmap {
                     tile.costs = vec![0; tile.first.len()];
                 }
@@ -89,8 +93,8 @@ impl TileFilm {
         let first = vec![[0.0; 4]; pixels];
         let squares = if squares { vec![[0.0; 3]; pixels] } else { Vec::new() };
         let aovs = aovs.then(|| TileAovs::new(pixels));
-        let (sums, costs, light) = Default::default();
-        Self { rect, first, sums, samples: 0, aovs, light, costs, squares, target: 0 }
+        let (sums, costs, light, mattes) = Default::default();
+        Self { rect, first, sums, samples: 0, aovs, light, mattes, costs, squares, target: 0 }
     }
 
     /// Drops all samples; keeps the memory. The first sample will overwrite the old one.
@@ -99,6 +103,7 @@ impl TileFilm {
         (self.samples, self.target) = (0, 0);
         self.costs.fill(0);
         self.light.clear();
+        self.mattes.clear();
         if let Some(aovs) = &mut self.aovs {
             *aovs = TileAovs::new(self.first.len());
         }
@@ -238,6 +243,7 @@ impl SavedState for TileFilm {
             aovs.state(with);
         }
         self.light.state(with);
+        self.mattes.state(with);
     }
 }
 

@@ -26,6 +26,7 @@ mod job;
 mod layers;
 mod log;
 mod many_lights;
+mod mattes;
 mod motion;
 mod moving_camera;
 mod options;
@@ -52,6 +53,7 @@ pub use expressions::{ExpressionError, GROUP_PREFIX, LightLayer, UNGROUPED, unkn
 pub use fingerprint::fingerprint;
 pub use frame::Frame;
 pub use many_lights::PersistentLights;
+pub use mattes::{MatteKind, Mattes, matte_id, matte_names};
 pub use motion::{MotionCost, PictureHistory};
 pub use moving_camera::MovingCamera;
 pub use options::{Integrator, ReconstructionFilter, RenderOptions, UnknownIntegrator};

@@ -12,6 +12,7 @@ use gnurt_simd::Level;
 
 use crate::error::RenderError;
 use crate::expressions::{self, LightLayer};
+use crate::mattes::Mattes;
 use crate::piece::Piece;
 
 /// How radiance is computed along a camera ray.
@@ -151,6 +152,8 @@ pub struct RenderOptions {
     pub aovs: bool,
     /// Add layers of light; only for `Path`.
     pub light_layers: Vec<LightLayer>,
+    /// Add Cryptomatte's layers.
+    pub mattes: Mattes,
     /// Make a picture of the cost per pixel.
     pub heatmap: bool,
     /// Render only the tiles of this piece. Not for interleaved pixels, which read their neighbours. `None` =
@@ -181,6 +184,7 @@ impl Default for RenderOptions {
             noise: None,
             aovs: false,
             light_layers: Vec::new(),
+            mattes: Mattes::default(),
             heatmap: false,
             piece: None,
         }

@@ -18,6 +18,7 @@ use crate::integrators;
 use crate::job::Job;
 use crate::many_lights::interleave::{PatternTexels, Texel};
 use crate::many_lights::{self, PassLights};
+use crate::mattes;
 use crate::options::Integrator;
 use crate::pixels;
 use crate::stats::RenderStats;
@@ -79,6 +80,15 @@ impl<'a> Sampler<'a> {
             if let Some(aovs) = &mut tile.aovs {
                 aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, &radiance);
             }
+            if !self.job.options.mattes.kinds.is_empty() {
+                mattes::gather(
+                    tracer,
+                    &self.job.options.mattes.kinds,
+                    camera,
+                    lanes.clone(),
+                    &mut tile.mattes,
+                );
+            }
             if let Some(ledger) = &ledger {
                 tile.light.add(&ledger.layers, &taken, lanes.clone());
             }
@@ -132,6 +142,10 @@ impl<'a> Sampler<'a> {
         let camera = split.batch.met();
         if let Some(aovs) = &mut tile.aovs {
             aovs.add(tracer, camera, 0..camera.keys.len(), sample, self.job.forward, &radiance);
+        }
+        if !self.job.options.mattes.kinds.is_empty() {
+            let kinds = &self.job.options.mattes.kinds;
+            mattes::gather(tracer, kinds, camera, 0..camera.keys.len(), &mut tile.mattes);
         }
         tile.costs.resize(split.costs.len(), 0);
         tile.costs.iter_mut().zip(&split.costs).for_each(|(sum, cost)| *sum += cost);

@@ -18,6 +18,7 @@ mod lanes;
 mod light_layers;
 mod lights;
 mod many_lights;
+mod mattes;
 mod media;
 mod mirrors;
 mod motion;

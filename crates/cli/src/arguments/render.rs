@@ -32,9 +32,12 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) heatmap: Option<PathBuf>,
-    /// Layers of an EXR between commas: all, none, denoise, normal and others of surfaces, direct and others of light, light:NAME, NAME=EXPRESSION (a light path expression); a wrong word lists all [default: all of surfaces]
+    /// Layers of an EXR between commas: all, none, denoise, normal and others of surfaces, direct and others of light, cryptomatte, light:NAME, NAME=EXPRESSION (a light path expression); a wrong word lists all [default: all of surfaces]
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true)]
     pub(crate) layers: Option<LayerList>,
+    /// Things per pixel in the layers of Cryptomatte, 2 to 32
+    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=32), allow_hyphen_values = true, default_value = "6")]
+    pub(crate) crypto_depth: u32,
     /// Add a layer to an EXR for each light group, and one for all other light; `gnurt relight` mixes them
     #[arg(help_heading = "Picture", hide_short_help = true, long)]
     pub(crate) light_groups: bool,

@@ -10,9 +10,10 @@ use std::time::{Duration, Instant};
 use gnurt::denoise::{self, denoise};
 use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::Picture;
+use gnurt::mattes;
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
-    Accumulation, CommitOptions, CommitReport, Frame, Integrator, Piece, RenderOptions, RenderStats,
+    Accumulation, CommitOptions, CommitReport, Frame, Integrator, Mattes, Piece, RenderOptions, RenderStats,
     ShaderTable, World, fingerprint, render_on,
 };
 use gnurt::scene::Scene;
@@ -87,6 +88,8 @@ pub(super) struct Ready {
     /// The fingerprint of the picture, if it is needed.
     pub(super) print: u64,
     pub(super) load_time: Duration,
+    /// The scene, for the names of its mattes.
+    pub(super) named: Option<Scene>,
     /// Curve and exposure of all frames; `None` = as given, or else chosen from the picture.
     pub(super) light: Option<LightArguments>,
 }
@@ -210,6 +213,9 @@ pub(super) fn label(
     options: &RenderOptions,
 ) {
     describe(picture, options);
+    if let Some(scene) = &ready.named {
+        mattes::describe(picture, scene);
+    }
     if plan.targets.picture.has_layers() {
         let aspect = options.width as f32 / options.height as f32;
         describe_making(picture, &ready.chosen.camera, aspect, stats);
@@ -455,6 +461,10 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
         heatmap: plan.targets.heatmap.is_some(),
         piece: arguments.piece,
         light_layers: arguments.layers.iter().flat_map(|layers| layers.light.clone()).collect(),
+        mattes: Mattes {
+            kinds: arguments.layers.iter().flat_map(|layers| layers.mattes.clone()).collect(),
+            depth: arguments.crypto_depth,
+        },
         ..frame_options(&arguments.frame, level)
     }
 }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use gnurt::denoise::{self, denoise};
 use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::{self, Opacity, Picture};
+use gnurt::mattes;
 use gnurt::memory::check_memory;
 use gnurt::render::{Piece, empty_picture, pack_piece, rendered_rects, unpack_piece};
 
@@ -131,6 +132,7 @@ impl Whole {
         if !unpack_piece(&mut self.picture, &packed, &rects) {
             return Err(bad());
         }
+        mattes::merge(&mut self.picture, &packed);
         let number = |name: &str| packed.metadata(name).and_then(|text| text.parse::<f64>().ok());
         self.spp_max = self.spp_max.max(number("samplesPerPixel").unwrap_or(0.0) as u32);
         self.seconds += number("renderTimeSeconds").unwrap_or(0.0);
@@ -194,6 +196,7 @@ impl Whole {
             layers.apply(&mut picture, &self.header.light_layers);
         }
         if !output.has_layers() {
+            picture.metadata.retain(|(name, _)| !mattes::is_metadata(name));
             if !is_clean {
                 (picture.layers, picture.opacity) = (Vec::new(), Opacity::Straight);
             }

@@ -5,7 +5,9 @@
 //! read neighbouring pixels or set the appearance. Tests: `tests/program/pieces.rs`.
 
 use gnurt::image::Picture;
-use gnurt::render::{Frame, Integrator, LightLayer, Piece, RenderOptions, pack_piece, rendered_rects};
+use gnurt::render::{
+    Frame, Integrator, LightLayer, Mattes, Piece, RenderOptions, pack_piece, rendered_rects,
+};
 
 use crate::arguments::value::LayerList;
 use crate::arguments::{ExposureChoice, LightArguments, RenderArguments};
@@ -20,6 +22,7 @@ const SAMPLES: &str = "gnurtSamples";
 const EXPOSURE: &str = "gnurtExposure";
 const LAYERS: &str = "gnurtLayers";
 const LIGHT_LAYERS: &str = "gnurtLightLayers";
+const DEPTH: &str = "gnurtCryptoDepth";
 
 /// The header of a piece's file.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +42,7 @@ pub(super) struct Header {
     pub(super) layers: Option<LayerList>,
     /// Layers of light, those of groups as well.
     pub(super) light_layers: Vec<LightLayer>,
+    pub(super) mattes: Mattes,
 }
 
 /// Rejects options that exclude a piece.
@@ -95,6 +99,7 @@ pub(super) fn save(
     }
     if let Some(layers) = layers {
         packed.set_metadata(LAYERS, layers);
+        packed.set_metadata(DEPTH, options.mattes.depth.to_string());
     }
     if !options.light_layers.is_empty() {
         let line = |layer: &LightLayer| format!("{}={}", layer.name, layer.expression);
@@ -120,6 +125,10 @@ impl Header {
         };
         let crop = optional(CROP, &|text| numbers(text, ','))?;
         let layers = text(LAYERS).map(crate::arguments::value::layers).transpose().ok()?;
+        let kinds = layers.as_ref().map_or_else(Vec::new, |layers| layers.mattes.clone());
+        let depth = text(DEPTH).map_or(Some(Mattes::DEPTH), |depth| {
+            depth.parse().ok().filter(|&depth| depth <= Mattes::DEEPEST)
+        });
         let light_layer = |line: &str| {
             let (name, expression) = line.split_once('=')?;
             LightLayer::new(name, expression).ok()
@@ -136,6 +145,7 @@ impl Header {
             integrator: text("integrator")?.parse().ok()?,
             layers,
             light_layers: light_layers.collect::<Option<_>>()?,
+            mattes: Mattes { kinds, depth: depth? },
             exposure: match exposure {
                 Some(None) => return None,
                 Some(stops) => stops,
@@ -156,6 +166,7 @@ impl Header {
             piece: Some(self.piece),
             aovs: true,
             light_layers: self.light_layers.clone(),
+            mattes: self.mattes.clone(),
             ..RenderOptions::default()
         }
     }

@@ -71,6 +71,7 @@ fn prepare(
         checkpoint,
         print,
         load_time,
+        named: (!options.mattes.kinds.is_empty()).then(|| scene.clone()),
         light: None,
     };
     Ok((ready, options))

@@ -341,6 +341,7 @@ impl Studio<'_> {
             checkpoint: None,
             print: 0,
             load_time,
+            named: None,
             light: Some(light),
         }
     }
@@ -387,6 +388,7 @@ impl Studio<'_> {
         light_layers::check(&ready.world, scene, &options)?;
         let options = RenderOptions { seed: self.seed(frame.number), ..options };
         (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, &options);
+        ready.named = (!options.mattes.kinds.is_empty()).then(|| scene.clone());
         plan.targets = frame.targets;
         match (film, self.arguments.times.frames) {
             (Some(film), Some(range)) => {

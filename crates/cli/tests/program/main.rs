@@ -28,6 +28,7 @@ mod interrupts;
 mod layers;
 mod light_layers;
 mod manuals;
+mod mattes;
 #[cfg(target_os = "linux")]
 mod out_of_core;
 mod output;

@@ -23,6 +23,7 @@ use super::open::{Open, Shutter};
 use super::table::{CommitOptions, CommitReport, ShaderTable};
 use super::{Dropped, Followed, World, check, members, object_build, top, users};
 use crate::error::CommitError;
+use crate::mattes::ids_of_instance;
 
 impl World {
     /// Brings the world up to date with `scene`. A world follows one scene: a commit rebuilds only the parts
@@ -225,7 +226,9 @@ impl World {
             let paths: HashMap<u32, &[Affine]> =
                 exposure.instances.iter().map(|(id, positions)| (id.0, &positions[..])).collect();
             let index = |id: usize| {
-                InstanceSlot::new(&scene.instances()[id], objects, paths.get(&(id as u32)).copied())
+                let (instance, id) = (&scene.instances()[id], id as u32);
+                let mattes = ids_of_instance(scene, id, instance);
+                InstanceSlot::new(instance, objects, paths.get(&id).copied(), mattes)
             };
             pool.install(|| instances.set_all(&changed, true, index));
             let is_dropped =

@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use gnurt_scene::labels::Shining;
 use gnurt_scene::{InstanceId, Light, LightId, MaterialId, Scene};
 
+use crate::mattes::id_of_material;
+
 /// Names of one thing, and the group of its light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Names {
@@ -27,6 +29,8 @@ impl Names {
 pub(crate) struct WorldLabels {
     /// By material id.
     pub(crate) materials: Vec<Names>,
+    /// Their ids of mattes.
+    pub(crate) material_mattes: Vec<u32>,
     /// Lights without a surface, but the environment.
     pub(crate) lights: Vec<Names>,
     pub(crate) environment: Names,
@@ -53,8 +57,10 @@ impl WorldLabels {
             let name = scene.instances()[id as usize].name.clone();
             (id, Names { name, group: group(Shining::Instance(InstanceId(id))) })
         });
+        let mattes = (0..).zip(scene.materials()).map(|(id, material)| id_of_material(&material.name, id));
         Self {
             materials: materials.collect(),
+            material_mattes: mattes.collect(),
             lights: order.iter().map(of_light).collect(),
             environment: environment.as_ref().map(of_light).unwrap_or_default(),
             instances: instances.collect(),

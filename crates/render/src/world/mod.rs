@@ -345,6 +345,14 @@ impl World {
         &self.labels
     }
 
+    /// Ids of mattes of a hit: object, material, asset.
+    pub(crate) fn matte_ids(&self, instance: u32, material: u32) -> [u32; 3] {
+        let placed = self.instances.get(instance as usize).and_then(InstanceSlot::placed);
+        let [object, asset] = placed.map_or([0; 2], |placed| placed.mattes);
+        let material = self.labels.material_mattes.get(material as usize).copied().unwrap_or(0);
+        [object, material, asset]
+    }
+
     /// The media that paths fly through.
     pub(crate) fn media(&self) -> &Media {
         &self.media

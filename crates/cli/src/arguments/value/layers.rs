@@ -3,7 +3,8 @@
 //! Tests: `tests`, `tests/program/layers.rs`.
 
 use gnurt::image::{BACKGROUND, Picture};
-use gnurt::render::{GROUP_PREFIX, LightLayer, UNGROUPED};
+use gnurt::mattes::is_matte;
+use gnurt::render::{GROUP_PREFIX, LightLayer, MatteKind, UNGROUPED};
 
 use crate::nearest::unknown;
 
@@ -20,6 +21,13 @@ const WORDS: [(&str, &[&str]); 10] = [
     ("unscattered", &["unscattered"]),
     ("variance", &["variance"]),
 ];
+/// Words of the command line, and kinds of mattes.
+const MATTES: [(&str, &[MatteKind]); 4] = [
+    ("cryptomatte", &MatteKind::ALL),
+    ("crypto_object", &[MatteKind::Object]),
+    ("crypto_material", &[MatteKind::Material]),
+    ("crypto_asset", &[MatteKind::Asset]),
+];
 const ALL: &str = "all";
 const NONE: &str = "none";
 /// Before the name of a light or of a light group.
@@ -32,6 +40,8 @@ pub(crate) struct LayerList {
     names: Option<Vec<&'static str>>,
     /// Those of light.
     pub(crate) light: Vec<LightLayer>,
+    /// Those of Cryptomatte.
+    pub(crate) mattes: Vec<MatteKind>,
     /// As it was given.
     pub(crate) text: String,
 }
@@ -39,24 +49,27 @@ pub(crate) struct LayerList {
 /// `all`, `none`, or words, `light:NAME` and `NAME=EXPRESSION` between commas.
 pub(crate) fn layers(text: &str) -> Result<LayerList, String> {
     let mut names = Some(Vec::new());
-    let mut light: Vec<LightLayer> = Vec::new();
+    let (mut light, mut mattes): (Vec<LightLayer>, Vec<MatteKind>) = Default::default();
     let parts = parts(text);
     for part in &parts {
         let part = part.trim();
-        if let Some((_, layers)) = WORDS.iter().find(|(known, _)| *known == part) {
+        let word = &part.replace('-', "_")[..];
+        if let Some((_, layers)) = WORDS.iter().find(|(known, _)| *known == word) {
             names.iter_mut().for_each(|names| names.extend_from_slice(layers));
+        } else if let Some((_, kinds)) = MATTES.iter().find(|(known, _)| *known == word) {
+            mattes.extend(kinds.iter().filter(|kind| !mattes.contains(kind)).copied().collect::<Vec<_>>());
         } else if part == ALL {
             names = None;
         } else if part == NONE && parts.len() == 1 {
         } else {
-            let layer = light_layer(part)?;
+            let layer = LightLayer::of_word(word).map_or_else(|| light_layer(part), Ok)?;
             if light.iter().any(|known| known.name == layer.name) {
                 return Err(format!("two layers are called '{}'", layer.name));
             }
             light.push(layer);
         }
     }
-    Ok(LayerList { names, light, text: text.replace(char::is_control, " ") })
+    Ok(LayerList { names, light, mattes, text: text.replace(char::is_control, " ") })
 }
 
 /// A list at its commas, but those in counts, brackets and labels of expressions.
@@ -81,9 +94,6 @@ fn parts(text: &str) -> Vec<String> {
 }
 
 fn light_layer(part: &str) -> Result<LightLayer, String> {
-    if let Some(layer) = LightLayer::of_word(part) {
-        return Ok(layer);
-    }
     if let Some(name) = part.strip_prefix(LIGHT) {
         let layer = LightLayer::of_light(name);
         let made = LightLayer::new(layer.name, layer.expression).map_err(|error| error.to_string())?;
@@ -91,7 +101,8 @@ fn light_layer(part: &str) -> Result<LightLayer, String> {
     }
     let Some((name, expression)) = part.split_once('=') else {
         let known = [ALL, NONE].into_iter().chain(WORDS.iter().map(|(word, _)| *word));
-        let known: Vec<&str> = known.chain(LightLayer::words()).collect();
+        let mattes = MATTES.iter().map(|(word, _)| *word);
+        let known: Vec<&str> = known.chain(LightLayer::words()).chain(mattes).collect();
         let message = unknown("layer", part, &known);
         return Err(format!(
             "{message}; light:NAME is a light group, NAME=EXPRESSION a light path expression"
@@ -101,7 +112,8 @@ fn light_layer(part: &str) -> Result<LightLayer, String> {
     check_name(name)?;
     let is_taken = WORDS.iter().any(|(word, layers)| *word == name || layers.contains(&name));
     let is_color = ["R", "G", "B", "A", "Z"].contains(&name);
-    let is_group = name.starts_with(GROUP_PREFIX) || name == UNGROUPED;
+    let is_matte = MatteKind::ALL.iter().any(|kind| name.starts_with(kind.layer()));
+    let is_group = is_matte || name.starts_with(GROUP_PREFIX) || name == UNGROUPED;
     if is_taken || is_color || is_group || LightLayer::of_word(name).is_some() {
         return Err(format!("'{name}' is the name of another layer; give another one"));
     }
@@ -127,7 +139,7 @@ impl LayerList {
         if !is_kept(BACKGROUND) {
             picture.drop_background();
         }
-        picture.layers.retain(|layer| is_kept(&layer.name));
+        picture.layers.retain(|layer| is_kept(&layer.name) || is_matte(&layer.name));
     }
 }
 
@@ -151,10 +163,13 @@ mod tests {
         assert_eq!((kept("none").len(), kept("all").len()), (0, 8), "none and all");
         assert_eq!(kept("normal,direct,x=C<RD>{1,2}[LO]"), ["N", "direct", "x"], "of light as well");
         assert_eq!(kept("all,direct").len(), 8, "all of surfaces and one of light");
+        let mattes = layers("crypto-material,cryptomatte").expect("known words").mattes;
+        assert_eq!(mattes, [MatteKind::Material, MatteKind::Object, MatteKind::Asset], "each kind once");
         assert!(layers("normals").expect_err("no such layer").contains("normal"), "the nearest word");
         for (bad, words) in [
             ("all,none", "unknown layer 'none'"),
             ("direct,direct", "two layers"),
+            ("CryptoObject00=C.*", "another layer"),
             ("x=C<R", "character 2"),
             ("N=C.*", "another layer"),
             ("a*b=C.*", "invalid name"),
