@@ -14,6 +14,7 @@ use crate::options::RenderOptions;
 use crate::sampler::Sampler;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
+use crate::transport::links::LinkedPaths;
 
 /// No tile gets fewer samples, and no pilot is smaller.
 pub(crate) const FEWEST: u32 = 16;
@@ -30,6 +31,7 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
     let pilot = Sampler { job: &pilot, pass: None };
     let mut tile = TileFilm::new(rect, false, true);
     let mut tracer = BatchTracer::new(job.world, &options, false);
+    tracer.wavefront.linked = job.links.clone().map(LinkedPaths::new);
     let mut taken = FEWEST;
     let needed = loop {
         while tile.samples < taken {

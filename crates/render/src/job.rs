@@ -20,6 +20,7 @@ use crate::expressions::LightPaths;
 use crate::many_lights::Common;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
+use crate::transport::links::LightLinks;
 use crate::world::World;
 
 /// State that all tiles of a rendering share.
@@ -47,6 +48,8 @@ pub(crate) struct Job<'a> {
     pub(crate) common: Arc<Common>,
     /// What paths are compared with, if layers of light are requested.
     pub(crate) light_paths: Option<Arc<LightPaths>>,
+    /// Lights that do not reach everything, if there are any.
+    pub(crate) links: Option<Arc<LightLinks>>,
 }
 
 impl<'a> Job<'a> {
@@ -77,6 +80,7 @@ impl<'a> Job<'a> {
             centres: OnceLock::new(),
             common: Arc::default(),
             light_paths,
+            links: LightLinks::new(world).map(Arc::new),
         }
     }
 

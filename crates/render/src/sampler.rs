@@ -23,6 +23,7 @@ use crate::options::Integrator;
 use crate::pixels;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
+use crate::transport::links::LinkedPaths;
 
 /// Paths that go together, about: enough to fill lanes when most have ended, few enough for caches.
 const WAVEFRONT: usize = 4096;
@@ -51,6 +52,7 @@ impl<'a> Sampler<'a> {
         tracer.cone = self.job.cone;
         tracer.lights = self.pass.map(|pass| pass as _);
         tracer.wavefront.ledger = self.job.light_paths.clone().map(Ledger::new);
+        tracer.wavefront.linked = self.job.links.clone().map(LinkedPaths::new);
         tracer
     }
 

@@ -16,6 +16,7 @@ mod filtering;
 mod interleave;
 mod lanes;
 mod light_layers;
+mod light_links;
 mod lights;
 mod many_lights;
 mod mattes;

@@ -25,6 +25,17 @@ pub struct Labels {
     pub bound_materials: BTreeMap<ObjectId, String>,
     /// Groups of lights; a group is a layer of its own in pictures that are mixed later.
     pub light_groups: BTreeMap<Shining, String>,
+    /// Lights that do not light everything, or whose light not everything stops.
+    pub light_links: BTreeMap<Shining, LightLinks>,
+}
+
+/// The instances that a light reaches, and those that stop it; `None` = all.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LightLinks {
+    /// Instances that are lit.
+    pub lit: Option<Vec<InstanceId>>,
+    /// Instances that cast shadows.
+    pub shadows: Option<Vec<InstanceId>>,
 }
 
 /// Something that gives off light.

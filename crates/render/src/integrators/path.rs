@@ -14,16 +14,18 @@ use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::left_after;
+use gnurt_shading::lights::LightId;
 use gnurt_shading::{SampleKey, Vec3s};
 use gnurt_simd::dispatch_wide;
 
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::transport::absorption::absorb;
+use crate::transport::links::LinkedPaths;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
-    Known, LightQuery, Offer, Path, Wavefront, add, media, panes, power_heuristic, query_plugin_lights,
-    shadow_ray,
+    Blockers, Known, LightQuery, Offer, Path, Wavefront, add, media, panes, power_heuristic,
+    query_plugin_lights, shadow_ray,
 };
 use crate::world::HitLanes;
 
@@ -40,6 +42,9 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
     if let Some(ledger) = &mut wavefront.ledger {
         ledger.start(camera.rays.len());
     }
+    if let Some(linked) = &mut wavefront.linked {
+        linked.start(camera.rays.len());
+    }
     let mut hits = std::mem::take(&mut wavefront.hits);
     if media.is_empty() {
         step(tracer, camera, &mut wavefront, radiance);
@@ -54,6 +59,9 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         std::mem::swap(&mut wavefront.paths, &mut wavefront.next);
         if let Some(ledger) = &mut wavefront.ledger {
             ledger.end_step();
+        }
+        if let Some(linked) = &mut wavefront.linked {
+            linked.end_step();
         }
         if wavefront.paths.is_empty() {
             break;
@@ -102,10 +110,14 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     if let Some(ledger) = &mut wavefront.ledger {
         ledger.begin_step();
     }
+    if let Some(linked) = &mut wavefront.linked {
+        linked.begin_step();
+    }
     surfaces(tracer, from, wavefront, radiance);
     if !tracer.world.media().is_empty() {
-        let Wavefront { paths, next, unshadowed, in_media, ledger, .. } = &mut *wavefront;
-        let mut onward = Onward { next, unshadowed, radiance, ledger: ledger.as_mut() };
+        let Wavefront { paths, next, unshadowed, in_media, ledger, linked, .. } = &mut *wavefront;
+        let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked };
         let (of, from) = ((tracer.world, options), (&*paths, from.keys));
         dispatch_wide!(
             options.level,
@@ -118,8 +130,10 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     if options.aovs && from.depth == 0 {
         note_direct(tracer, &wavefront.radiance_only, radiance);
     }
-    let Wavefront { unshadowed, through, ledger, .. } = wavefront;
-    tracer.passed(&unshadowed.request, unshadowed.through(tracer.world.media()), through);
+    let Wavefront { unshadowed, through, ledger, linked, .. } = wavefront;
+    let blockers = linked.as_ref().map(|LinkedPaths { links, blockers: sets, .. }| Blockers { links, sets });
+    let passes = (unshadowed.through(tracer.world.media()), blockers);
+    tracer.passed(&unshadowed.request, passes, through);
     let media = Some(tracer.world.media()).filter(|media| !media.is_empty());
     panes::trace_through(tracer, &unshadowed.request, media, unshadowed.delta_requests(), through);
     for k in 0..through.len() {
@@ -137,7 +151,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
 /// The step of the paths that met surfaces, shader by shader.
 fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let (world, options) = (tracer.world, tracer.options);
-    let Wavefront { paths, next, unshadowed, order, radiance_only, closures, ledger, .. } = wavefront;
+    let Wavefront { paths, next, unshadowed, order, radiance_only, closures, ledger, linked, .. } = wavefront;
     world.sort_by_material(from.hits, 0..from.hits.len(), order);
     tracer.for_each_surface_of(order, from, AttributeRequests::Light, |tracer, shader, numbers, points| {
         if let Some(log) = &mut tracer.log {
@@ -153,7 +167,8 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         }
         let medium = world.media().of_points(world, points);
         let met = Met { world, options, from, paths, numbers, points, closures, backdrop, is_final, medium };
-        let mut onward = Onward { next, unshadowed, radiance, ledger: ledger.as_mut() };
+        let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked };
         dispatch_wide!(
             options.level,
             simd => step::step(Sixteen(simd), &met, &mut onward),
@@ -191,6 +206,9 @@ fn query_plugins(met: &Met, onward: &mut Onward) {
                 path.inside = path.inside.crossing(met.medium, met.points.front(*k));
             }
             onward.unshadowed.push(&path, ray, value, absorption == Vec3::ZERO);
+            if let Some(linked) = &mut onward.linked {
+                linked.blockers.push(0);
+            }
             if let Some(ledger) = &mut onward.ledger {
                 let events = met.events(ledger, *k, [wo, dir], (bsdf.is_transmitted(dir), false));
                 let end = ledger.paths.classes.plugin();
@@ -217,6 +235,12 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefro
     let lights = tracer.world.light_set();
     for (k, &i) in missed.iter().enumerate().filter(|&(k, _)| direct.get(k) != Vec3::ZERO) {
         let path = wavefront.paths.get(i, from.keys[i]);
+        // The environment is the last light.
+        let number = LightId((lights.len() as u32).saturating_sub(1));
+        let is_linked = wavefront.linked.as_ref().filter(|_| lights.has_environment());
+        if is_linked.is_some_and(|linked| !linked.counts(i, number, path.from.is_some())) {
+            continue;
+        }
         let dir = Vec3::from(from.rays.get(i).dir);
         let weight = path.from.map_or(1.0, |origin| {
             power_heuristic(origin.pdf, lights.pdf_environment(origin.p, origin.ns, dir))

@@ -217,13 +217,27 @@ fn scatter_lanes<W: Width>(
         let light = width.lights(lights, [there, there], [p, along], [choice, x, y]);
         let pdf = phase.value(along.dot(light.dir));
         let lit = there & light.found & !light.radiance.is_zero();
-        let weight = W::R::pick(light.delta, one, power_heuristic(light.pdf, pdf));
+        let mut weight = W::R::pick(light.delta, one, power_heuristic(light.pdf, pdf));
+        let mut blockers = [0; LANES];
+        if let Some(linked) = &onward.linked {
+            let mut alone = 0;
+            for i in LanesOf(W::R::bits(lit)) {
+                let u = [choice.lane(i), x.lane(i), y.lane(i)];
+                let found = lights.sample(p.get(i), Vec3::ZERO, u);
+                blockers[i] = found.map_or(0, |found| linked.links.blockers(found.light));
+                alone |= u64::from(blockers[i] != 0) << i;
+            }
+            weight = W::R::pick(zero.points(alone), one, weight);
+        }
         let arriving = light.radiance * (pdf * weight / light.pdf);
         let here = throughput * arriving;
         let lit = lit & here.is_finite();
         let at = Leaving { p, error, ng: light.dir, ns: light.dir, lift: Vector::grey(zero) };
         let (ray, _) = at.shadow_rays(light.dir, light.dist, none);
         onward.unshadowed.push_all([lit, lit & light.delta], of, &ray, here, None);
+        if let Some(linked) = &mut onward.linked {
+            linked.blockers.extend(LanesOf(W::R::bits(lit)).map(|i| blockers[i]));
+        }
         if let Some(ledger) = &mut onward.ledger {
             for i in LanesOf(W::R::bits(lit)) {
                 let u = [choice.lane(i), x.lane(i), y.lane(i)];
@@ -257,6 +271,9 @@ fn scatter_lanes<W: Width>(
     let absorption = ns;
     let next = Scattered { ray, throughput, p, ns, pdf, absorption, cone, how, boundary: None };
     onward.next.push_all(alive, of, &next);
+    if let Some(linked) = &mut onward.linked {
+        LanesOf(W::R::bits(alive)).for_each(|_| linked.scatter(None));
+    }
     if let Some(ledger) = &mut onward.ledger {
         for i in LanesOf(W::R::bits(alive)) {
             ledger.scatter(of.numbers[i] as usize, &[(Scatter::VOLUME, Vec3::ONE)]);

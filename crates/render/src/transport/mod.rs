@@ -6,6 +6,7 @@
 pub(crate) mod absorption;
 mod flight;
 mod light_samples;
+pub(crate) mod links;
 pub(crate) mod media;
 mod medium_vertices;
 pub(crate) mod mis;
@@ -29,6 +30,7 @@ pub(crate) use mis::power_heuristic;
 pub(crate) use paths::{Path, Wavefront};
 pub(crate) use through::Through;
 pub(crate) use vertex::{Known, Vertex};
+pub(crate) use way::Blockers;
 
 /// Adds light that came over `edges` edges, or that did not come (negative); no more than `clamp` in any channel if it was
 /// scattered more than once. It is each contribution that is limited, as production renderers limit indirect light, not their

@@ -12,6 +12,7 @@ use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
+use super::links::LinkedPaths;
 use super::medium_vertices::MediumVertices;
 use super::through::Through;
 use crate::cone::{Cone, Cones};
@@ -445,4 +446,6 @@ pub(crate) struct Wavefront {
     pub(crate) in_media: MediumVertices,
     /// The accounts of layers of light, if some are requested.
     pub(crate) ledger: Option<Ledger>,
+    /// Where paths were scattered, if some lights do not reach everything.
+    pub(crate) linked: Option<LinkedPaths>,
 }

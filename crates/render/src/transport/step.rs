@@ -9,11 +9,12 @@
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Prepared, Sampled, left_after};
 use gnurt_shading::lanes::{LANES, LanesOf};
-use gnurt_shading::lights::LightSet;
+use gnurt_shading::lights::{LightId, LightSet};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, RayKind, SurfaceBatch, Vec3s};
 
+use super::links::LinkedPaths;
 use super::mis::{power_heuristic, weigh};
 use super::paths::{Boundary, NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::Width;
@@ -51,6 +52,8 @@ pub(crate) struct Onward<'a> {
     pub(crate) radiance: &'a mut Vec3s,
     /// Notes the same for layers of light.
     pub(crate) ledger: Option<&'a mut Ledger>,
+    /// Notes where paths were scattered, if some lights do not reach everything.
+    pub(crate) linked: Option<&'a mut LinkedPaths>,
 }
 
 impl Met<'_> {
@@ -81,6 +84,9 @@ impl Met<'_> {
             onward.next.push(path, (ray, ConeHit::of(self.points, k).straight()));
             if let Some(ledger) = &mut onward.ledger {
                 ledger.pass(self.numbers[k] as usize);
+            }
+            if let Some(linked) = &mut onward.linked {
+                linked.pass(self.numbers[k] as usize);
             }
         }
         true
@@ -150,7 +156,7 @@ impl Met<'_> {
         }
         let found = self.closures.emission(k);
         if found != Vec3::ZERO {
-            let found = self.counted(found, lights, &path, k);
+            let found = self.counted(found, lights, &path, (k, onward.linked.as_deref()));
             let light = add(onward.radiance, path.lane, path.throughput * found, path.edges, clamp);
             if let Some(ledger) = &mut onward.ledger {
                 let (ids, dir) = (self.ids(k), self.points.ray_dir.get(k));
@@ -170,9 +176,20 @@ impl Met<'_> {
 
     /// The weighted emission at the hit of a scattered ray: light samples find it, too. Of radiance-only
     /// surfaces they find the described emission.
-    fn counted(&self, found: Vec3, lights: &LightSet, path: &Path, k: usize) -> Vec3 {
+    fn counted(
+        &self,
+        found: Vec3,
+        lights: &LightSet,
+        path: &Path,
+        (k, linked): (usize, Option<&LinkedPaths>),
+    ) -> Vec3 {
         let points = self.points;
         let (ids, dir) = (self.ids(k), points.ray_dir.get(k));
+        if let (Some(linked), Some(triangle)) = (linked, lights.triangle(ids, dir))
+            && !linked.counts(self.numbers[k] as usize, LightId(triangle), path.from.is_some())
+        {
+            return Vec3::ZERO;
+        }
         let weight = weigh(lights, path, ids, points.p.get(k), dir);
         match lights.triangle(ids, dir) {
             Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {
@@ -251,7 +268,23 @@ fn scatter<W: Width>(
             let (value, pdf) = prepared.eval_pdf(light.dir);
             let lit = requests_light & light.found & !value.is_zero() & !light.radiance.is_zero();
             let weight = if met.backdrop.is_some() { one } else { power_heuristic(light.pdf, pdf) };
-            let weight = W::R::pick(light.delta, one, weight);
+            let mut weight = W::R::pick(light.delta, one, weight);
+            let (mut lit, mut blockers) = (lit, [0; LANES]);
+            if let Some(linked) = &onward.linked {
+                let all_sides = W::R::bits(translucent);
+                let [mut reached, mut alone] = [0, 0];
+                for i in LanesOf(W::R::bits(lit)) {
+                    let ns = if all_sides >> i & 1 != 0 { Vec3::ZERO } else { at.ns.get(i) };
+                    let u = [choice.lane(i), x.lane(i), y.lane(i)];
+                    let Some(found) = lights.sample(at.p.get(i), ns, u) else { continue };
+                    blockers[i] = linked.links.blockers(found.light);
+                    let is_reached = linked.links.reaches(found.light, points.inst_id[first + i]);
+                    reached |= u64::from(is_reached) << i;
+                    alone |= u64::from(blockers[i] != 0) << i;
+                }
+                lit = lit & zero.points(reached);
+                weight = W::R::pick(zero.points(alone), one, weight);
+            }
             let arriving = light.radiance * (weight / light.pdf);
             let transmitted = zero.above(prepared.normal().dot(light.dir));
             let (ray, sends) = at.shadow_rays(light.dir, light.dist, transmitted);
@@ -275,6 +308,9 @@ fn scatter<W: Width>(
             let delta_requests = lit & light.delta & begins.is_zero();
             let through = boundary.map(|boundary| (boundary, W::R::bits(transmitted)));
             onward.unshadowed.push_all([lit, delta_requests], of, &ray, here, through);
+            if let Some(linked) = &mut onward.linked {
+                linked.blockers.extend(LanesOf(W::R::bits(lit)).map(|i| blockers[i]));
+            }
             if let Some(ledger) = &mut onward.ledger {
                 let transmitted = W::R::bits(transmitted);
                 let all_sides = W::R::bits(translucent);
@@ -399,6 +435,11 @@ fn go_on<R: Real>(
     let boundary = met.boundary(first, R::LANES);
     let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how, boundary };
     onward.next.push_all(alive & sends, of, &next);
+    if let Some(linked) = &mut onward.linked {
+        for i in LanesOf(R::bits(alive & sends)) {
+            linked.scatter(Some(met.points.inst_id[first + i]));
+        }
+    }
     if let Some(ledger) = &mut onward.ledger {
         let [deltas, transmitted] = [chosen.delta, chosen.transmitted].map(R::bits);
         for i in LanesOf(R::bits(alive & sends)) {

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use gnurt_scene::labels::Shining;
+use gnurt_scene::labels::{LightLinks, Shining};
 use gnurt_scene::{InstanceId, Light, LightId, MaterialId, Scene};
 
 use crate::mattes::id_of_material;
@@ -15,6 +15,7 @@ use crate::mattes::id_of_material;
 pub(crate) struct Names {
     pub(crate) name: String,
     pub(crate) group: Option<String>,
+    pub(crate) links: Option<LightLinks>,
 }
 
 impl Names {
@@ -36,6 +37,8 @@ pub(crate) struct WorldLabels {
     pub(crate) environment: Names,
     /// Instances with an emissive mesh, by id.
     pub(crate) instances: BTreeMap<u32, Names>,
+    /// Whether any has links.
+    pub(crate) has_links: bool,
 }
 
 impl WorldLabels {
@@ -43,19 +46,23 @@ impl WorldLabels {
     pub(super) fn new(scene: &Scene, order: &[LightId], emissive: &[u32]) -> Self {
         let labels = scene.labels();
         let group = |shining| labels.light_groups.get(&shining).cloned();
+        let links = |shining| labels.light_links.get(&shining).cloned();
         let of_light = |&id: &LightId| Names {
             name: labels.lights.get(&id).cloned().unwrap_or_else(|| id.0.to_string()),
             group: group(Shining::Light(id)),
+            links: links(Shining::Light(id)),
         };
         let is_environment = |light: &Light| matches!(light, Light::Environment { .. });
         let environment = scene.lights().iter().rposition(is_environment).map(|id| LightId(id as u32));
         let materials = (0..).zip(scene.materials()).map(|(id, material)| Names {
             name: material.name.clone(),
             group: group(Shining::Material(MaterialId(id))),
+            links: links(Shining::Material(MaterialId(id))),
         });
         let instances = emissive.iter().map(|&id| {
             let name = scene.instances()[id as usize].name.clone();
-            (id, Names { name, group: group(Shining::Instance(InstanceId(id))) })
+            let shining = Shining::Instance(InstanceId(id));
+            (id, Names { name, group: group(shining), links: links(shining) })
         });
         let mattes = (0..).zip(scene.materials()).map(|(id, material)| id_of_material(&material.name, id));
         Self {
@@ -64,6 +71,7 @@ impl WorldLabels {
             lights: order.iter().map(of_light).collect(),
             environment: environment.as_ref().map(of_light).unwrap_or_default(),
             instances: instances.collect(),
+            has_links: !labels.light_links.is_empty(),
         }
     }
 }
