@@ -84,6 +84,7 @@ mod error;
 #[expect(unsafe_code, reason = "a global allocator")]
 mod ffi_heap;
 mod film_motion;
+pub mod layers;
 mod load;
 pub mod mattes;
 pub mod memory;

@@ -5,6 +5,7 @@
 //! Tests: `tests`, crates/cli/tests/program/overrides.rs.
 
 use gnurt_scene::labels::Shining;
+use gnurt_scene::light_links::LinkKind;
 use gnurt_scene::material::{Alpha, Principled};
 use gnurt_scene::{InstanceId, Light, LightId, Material, MaterialId, Scene, Surface};
 
@@ -18,6 +19,8 @@ use gnurt_scene::{InstanceId, Light, LightId, Material, MaterialId, Scene, Surfa
 ///   `materials.NAME.emission` takes the same two forms.
 /// * `instances.NAME.visible`: `true` or `false`.
 /// * `group` of lights, materials and instances: the light group of what they give off; any name.
+/// * `link` and `shadow_link` of the same: names of the instances that their light reaches, and that stop it, between commas;
+///   `none`, or `^` before the names for all others.
 ///
 /// `*` as a name means all of them: those without the field stay as they are, but one must have it.
 ///
@@ -100,8 +103,11 @@ impl Override {
     /// The scene is then unchanged, except for elements before the faulty one under `*`.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         let places = self.places(scene)?;
-        if self.field == "group" {
-            return self.put_into_group(&places, scene);
+        match &self.field[..] {
+            "group" => return self.put_into_group(&places, scene),
+            "link" => return self.link(&places, LinkKind::Lit, scene),
+            "shadow_link" => return self.link(&places, LinkKind::Shadows, scene),
+            _ => {}
         }
         let mut valid: Vec<&'static str> = Vec::new();
         let mut changed = 0;
@@ -153,15 +159,38 @@ impl Override {
                 self.value
             ));
         }
+        places.iter().for_each(|&place| scene.labels_mut().set_light_group(self.shining(place), &self.value));
+        Ok(())
+    }
+
+    /// Links lights to instances by names between commas; `^` before the first means all but these.
+    fn link(&self, places: &[u32], kind: LinkKind, scene: &mut Scene) -> Result<(), String> {
+        let (is_negated, list) =
+            self.value.strip_prefix('^').map_or((false, &self.value[..]), |rest| (true, rest));
+        let names: Vec<&str> = list.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+        let (found, unknown) = match &names[..] {
+            ["none"] => (Vec::new(), Vec::new()),
+            names => scene.instances_named(names),
+        };
+        if let Some(name) = unknown.first() {
+            let (list, own, field) = (self.list_name(), &self.name, &self.field);
+            return Err(format!("{list}.{own}.{field}: no instance is called '{name}'"));
+        }
+        let all = (0..scene.instances().len() as u32).map(InstanceId);
+        let members: Vec<InstanceId> =
+            if is_negated { all.filter(|id| found.binary_search(id).is_err()).collect() } else { found };
         for &place in places {
-            let shining = match self.list {
-                List::Materials => Shining::Material(MaterialId(place)),
-                List::Lights => Shining::Light(LightId(place)),
-                List::Instances => Shining::Instance(InstanceId(place)),
-            };
-            scene.labels_mut().set_light_group(shining, &self.value);
+            scene.link_light(self.shining(place), kind, Some(members.clone()));
         }
         Ok(())
+    }
+
+    fn shining(&self, place: u32) -> Shining {
+        match self.list {
+            List::Materials => Shining::Material(MaterialId(place)),
+            List::Lights => Shining::Light(LightId(place)),
+            List::Instances => Shining::Instance(InstanceId(place)),
+        }
     }
 
     fn list_name(&self) -> &'static str {

@@ -7,9 +7,10 @@ use std::f64::consts::PI;
 
 use gnurt_scene::io::reader::Meaning;
 use gnurt_scene::labels::{Luminaire, Shining};
+use gnurt_scene::light_links::LinkKind;
 use gnurt_scene::material::{Color, Material, Surface, TextureRef};
 use gnurt_scene::texture::{Filter, Texture, Wrap};
-use gnurt_scene::{Affine, Light, LightId, Mesh, MeshId, TextureId};
+use gnurt_scene::{Affine, InstanceId, Light, LightId, Mesh, MeshId, TextureId};
 use openusd::sdf::{Path, Value};
 
 use crate::builder::{Builder, Placed, State};
@@ -22,6 +23,44 @@ const BALL: [u32; 2] = [24, 12];
 /// Attributes that put a light into a group.
 const GROUPS: [&str; 4] =
     ["lightGroup", "ri:light:lightGroup", "inputs:ri:light:lightGroup", "userProperties:lightGroup"];
+
+/// A collection of prims. Source: UsdCollectionAPI: the nearest path above a prim that is listed decides.
+struct Collection {
+    includes: Vec<Path>,
+    excludes: Vec<Path>,
+    /// Whether prims are members that no listed path is above.
+    has_root: bool,
+    /// Whether only the listed prims themselves are members.
+    is_explicit: bool,
+}
+
+impl Collection {
+    /// `None` if it holds everything, as a light's do where nothing is authored.
+    fn of(reader: &Reader, prim: &Path, name: &str) -> Option<Self> {
+        let list = |what: &str| reader.targets(prim, &format!("collection:{name}:{what}"));
+        let rule = reader.word(prim, &format!("collection:{name}:expansionRule"));
+        let made = Self {
+            includes: list("includes"),
+            excludes: list("excludes"),
+            has_root: reader.flag(prim, &format!("collection:{name}:includeRoot")).unwrap_or(true),
+            is_explicit: rule.as_deref() == Some("explicitOnly"),
+        };
+        (!made.has_root || !made.excludes.is_empty()).then_some(made)
+    }
+
+    fn holds(&self, prim: &str) -> bool {
+        let is_above = |path: &&Path| {
+            let path = path.as_str();
+            prim == path
+                || (!self.is_explicit && prim.strip_prefix(path).is_some_and(|rest| rest.starts_with('/')))
+        };
+        let nearest = |list: &[Path]| list.iter().filter(is_above).map(|path| path.as_str().len()).max();
+        match (nearest(&self.includes), nearest(&self.excludes)) {
+            (None, None) => self.has_root && !self.is_explicit,
+            (included, excluded) => included > excluded,
+        }
+    }
+}
 
 impl Reader {
     fn light_number(&self, prim: &Path, name: &str, fallback: f64) -> f64 {
@@ -69,8 +108,22 @@ fn blackbody(kelvin: f64) -> [f64; 3] {
 impl Builder<'_> {
     /// Puts the light of a prim into its group, if it has one.
     fn put_into_group(&mut self, prim: &Path, shining: Shining) {
+        self.lights.push((shining, prim.clone()));
         let group = GROUPS.iter().find_map(|name| self.reader.word(prim, name));
         group.iter().for_each(|group| self.scene.labels_mut().set_light_group(shining, group));
+    }
+
+    /// Links lights to the instances in their collections, once all instances are there.
+    pub(crate) fn link_lights(&mut self) {
+        for (shining, prim) in std::mem::take(&mut self.lights) {
+            for (name, kind) in [("lightLink", LinkKind::Lit), ("shadowLink", LinkKind::Shadows)] {
+                let Some(collection) = Collection::of(self.reader, &prim, name) else { continue };
+                let ids = (0..).map(InstanceId).zip(self.scene.instances());
+                let members = ids.filter(|(_, instance)| collection.holds(&instance.name)).map(|(id, _)| id);
+                let members = members.collect();
+                self.scene.link_light(shining, kind, Some(members));
+            }
+        }
     }
 
     /// Names a light without a surface.
@@ -137,10 +190,8 @@ impl Builder<'_> {
         {
             reader.unsupported(prim, "inputs:shaping:ies:file");
         }
-        for name in ["collection:lightLink:includes", "collection:shadowLink:includes", "light:filters"] {
-            if !reader.targets(prim, name).is_empty() {
-                reader.unsupported(prim, name);
-            }
+        if !reader.targets(prim, "light:filters").is_empty() {
+            reader.unsupported(prim, "light:filters");
         }
     }
 

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use gnurt::layers::LayerList;
 use gnurt::render::Piece;
 use gnurt_view::TevAddress;
 
-use super::value::{self, Crop, LayerList};
+use super::value::{self, Crop};
 use super::{
     DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
     TimeArguments, TreeArguments, VerbosityArguments, ViewArguments,

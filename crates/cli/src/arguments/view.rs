@@ -97,8 +97,8 @@ pub(crate) struct FrameArguments {
         conflicts_with = "force_diffuse"
     )]
     pub(crate) shaders: Vec<ShaderChoice>,
-    /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2
-    /// or instances.NAME.visible=false; one number keeps a light's colour; repeatable
+    /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2,
+    /// lights.0.group=key, lights.0.link=chair,table or instances.NAME.visible=false; one number keeps a light's colour; repeatable
     #[arg(
         help_heading = "Look", hide_short_help = true,
         long,

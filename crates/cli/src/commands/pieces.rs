@@ -5,11 +5,11 @@
 //! read neighbouring pixels or set the appearance. Tests: `tests/program/pieces.rs`.
 
 use gnurt::image::Picture;
+use gnurt::layers::LayerList;
 use gnurt::render::{
     Frame, Integrator, LightLayer, Mattes, Piece, RenderOptions, pack_piece, rendered_rects,
 };
 
-use crate::arguments::value::LayerList;
 use crate::arguments::{ExposureChoice, LightArguments, RenderArguments};
 use crate::failure::{Failure, Outcome};
 use crate::output::Output;

@@ -34,3 +34,28 @@ fn mistakes_are_told() {
         folder.gnurt(&format!("render builtin:cornell --set {set} {SMALL}")).fails(2, words);
     }
 }
+
+#[test]
+fn lights_are_linked_to_instances() {
+    let folder = Folder::new();
+    let render = |name: &str, set: &str| {
+        let run = format!("render builtin:spheres {set} -o {name}.pfm {SMALL} --integrator path");
+        folder.gnurt(&run).success();
+        folder.read(&format!("{name}.pfm"))
+    };
+    let plain = render("plain", "");
+    let some = render("some", "--set lights.*.link=floor,red");
+    assert!(plain != some, "others are dark");
+    assert!(
+        some == render("others", "--set lights.*.link=^blue,glass,gold,green,ivory,mirror,violet"),
+        "all but these"
+    );
+    assert!(plain == render("all", "--set lights.*.link=^none"), "^none is everything");
+    let wrong = "--set lights.*.shadow_link=chair";
+    folder
+        .gnurt(&format!("render builtin:spheres {wrong} {SMALL}"))
+        .fails(2, "no instance is called 'chair'");
+    let run = format!("render builtin:spheres --set lights.*.link=red {SMALL} --integrator whitted -o w.pfm");
+    let run = folder.gnurt(&run).success();
+    assert_eq!(run.lines("warning: --integrator whitted ignores the links").len(), 1, "{}", run.stderr);
+}

@@ -22,7 +22,7 @@ pub(crate) use display_values::{
 pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
 pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};
 pub(crate) use gain::gain;
-pub(crate) use layers::{LayerList, layers};
+pub(crate) use layers::layers;
 pub(crate) use moment::{FrameRange, frames, frames_per_second, seconds, shutter, time};
 pub(crate) use sampling::{
     clamp, depth, integrator, interleave, isa, mebibytes, memory, noise, samples, seed, threads, tolerance,
