@@ -177,7 +177,7 @@ fn whole_of(picture: &Picture) -> Vec<[f32; 3]> {
 fn parts_make_the_whole() {
     let first = ["emission", "environment", "diffuse", "glossy", "transmission", "volume"];
     let rest = ["C[LO]", "C<RD>.*", "C<RG>.*", "C<RS>.*", "CT.*", "CV.*", "CB"];
-    let partitions = vec![
+    let partitions = [
         words(&["emission", "environment", "direct", "indirect"]),
         words(&first),
         by(&rest),

@@ -92,6 +92,13 @@ impl LightLinks {
     }
 }
 
+/// The sets of instances that stop each ray.
+#[derive(Clone, Copy)]
+pub(crate) struct Blockers<'a> {
+    pub(crate) links: &'a LightLinks,
+    pub(crate) sets: &'a [u16],
+}
+
 /// Where the paths of a wavefront were scattered, and the blockers of light that may be occluded.
 pub(crate) struct LinkedPaths {
     pub(crate) links: Arc<LightLinks>,

@@ -26,11 +26,11 @@ use glam::Vec3;
 use gnurt_shading::Vec3s;
 
 pub(crate) use light_samples::{LightQuery, Offer, query_plugin_lights, sampling_normal, shadow_ray};
+pub(crate) use links::Blockers;
 pub(crate) use mis::power_heuristic;
 pub(crate) use paths::{Path, Wavefront};
 pub(crate) use through::Through;
 pub(crate) use vertex::{Known, Vertex};
-pub(crate) use way::Blockers;
 
 /// Adds light that came over `edges` edges, or that did not come (negative); no more than `clamp` in any channel if it was
 /// scattered more than once. It is each contribution that is limited, as production renderers limit indirect light, not their

@@ -12,19 +12,12 @@ use gnurt_scene::RayMask;
 use gnurt_shading::{RayRequest, Vec3s};
 
 use super::flight::Parts;
-use super::links::LightLinks;
+use super::links::Blockers;
 use super::opacity;
 use super::through::Through;
 use crate::cone::Cones;
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::world::{HitLanes, Inside};
-
-/// The sets of instances that stop each ray.
-#[derive(Clone, Copy)]
-pub(crate) struct Blockers<'a> {
-    pub(crate) links: &'a LightLinks,
-    pub(crate) sets: &'a [u16],
-}
 
 impl BatchTracer<'_> {
     /// Multiplies the transmittances of the media along rays that no surface blocks.
