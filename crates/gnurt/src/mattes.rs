@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Metadata of Cryptomatte: for each kind of mattes its name, its hash and the names behind its ids.
-//! Source: [FJ16], version 1.2.0: `cryptomatte/KEY/{name,hash,conversion,manifest}`; the key is the first seven digits of
+//! Source: \[FJ16\], version 1.2.0: `cryptomatte/KEY/{name,hash,conversion,manifest}`; the key is the first seven digits of
 //! the id of the layer's name. Invariant: a manifest lists the names in the picture, each with the id that its channels have.
 //! Tests: `tests`, crates/cli/tests/program/mattes.rs.
 

@@ -19,6 +19,8 @@ pub struct Labels {
     pub camera: Option<CameraId>,
     /// Columns and rows of the picture that the file wants.
     pub resolution: Option<[u32; 2]>,
+    /// The layers that the file wants in pictures: words, `light:NAME` and `NAME=EXPRESSION` as in `--layers`.
+    pub outputs: Vec<String>,
     /// Objects with a refined mesh, and the control mesh of each.
     pub control_meshes: BTreeMap<ObjectId, ControlMesh>,
     /// Objects whose file names one material for the whole, or none (""), whatever parts of it are made of.

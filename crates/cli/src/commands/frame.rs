@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use gnurt::denoise::{self, denoise};
 use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::Picture;
+use gnurt::layers::LayerList;
 use gnurt::mattes;
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
@@ -88,6 +89,8 @@ pub(super) struct Ready {
     /// The fingerprint of the picture, if it is needed.
     pub(super) print: u64,
     pub(super) load_time: Duration,
+    /// The layers that are kept; `None` = all.
+    pub(super) list: Option<LayerList>,
     /// The scene, for the names of its mattes.
     pub(super) named: Option<Scene>,
     /// Curve and exposure of all frames; `None` = as given, or else chosen from the picture.
@@ -120,7 +123,7 @@ pub(super) fn make(
     if options.piece.is_none() {
         take_noise_out(&mut frame, plan, pool, messages)?;
     }
-    appear(&mut frame.picture, arguments, plan, options);
+    appear(&mut frame.picture, (arguments, plan), ready, options);
     label(&mut frame.picture, &frame.stats, plan, ready, options);
     save(&frame, &plan.targets, ready, arguments, options, messages)?;
     report(arguments, begin, plan, ready, options, &frame, messages)
@@ -225,13 +228,13 @@ pub(super) fn label(
 /// Appearance of its file.
 pub(super) fn appear(
     picture: &mut Picture,
-    arguments: &RenderArguments,
-    plan: &Plan,
+    (arguments, plan): (&RenderArguments, &Plan),
+    ready: &Ready,
     options: &RenderOptions,
 ) {
     // Pieces have all layers; the list is applied to their picture.
     let chooses = plan.targets.picture.has_layers() && options.piece.is_none();
-    if let Some(layers) = arguments.layers.as_ref().filter(|_| chooses) {
+    if let Some(layers) = ready.list.as_ref().filter(|_| chooses) {
         layers.apply(picture, &options.light_layers);
     }
     if arguments.transparent && !plan.targets.picture.has_layers() {
@@ -530,7 +533,7 @@ pub(super) fn save(
     }
     match options.piece {
         Some(piece) => {
-            let layers = arguments.layers.as_ref().map(|layers| &layers.text[..]);
+            let layers = ready.list.as_ref().map(|layers| &layers.text[..]);
             pieces::save(frame, piece, (ready.print, layers), light, options, &targets.picture)?;
         }
         None => targets.picture.write_with(&frame.picture, light, messages)?,

@@ -58,7 +58,7 @@ fn prepare(
     let load_time = begin.elapsed();
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
-    let options = light_layers::with_groups(options, arguments, &scene, messages);
+    let (options, list) = light_layers::complete(options, arguments, &scene, messages);
     light_layers::check(&world, &scene, &options)?;
     let (print, checkpoint) = identify(arguments, &scene, &chosen, &(), &options);
     let ready = Ready {
@@ -71,6 +71,7 @@ fn prepare(
         checkpoint,
         print,
         load_time,
+        list,
         named: (!options.mattes.kinds.is_empty()).then(|| scene.clone()),
         light: None,
     };

@@ -341,6 +341,7 @@ impl Studio<'_> {
             checkpoint: None,
             print: 0,
             load_time,
+            list: None,
             named: None,
             light: Some(light),
         }
@@ -384,7 +385,8 @@ impl Studio<'_> {
         let closes = self.arguments.times.closes(frame.seconds);
         let keys = ready.motion.as_ref().map(|motion| &motion.keys);
         let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
-        let options = light_layers::with_groups(self.options, self.arguments, scene, messages);
+        let (options, list) = light_layers::complete(self.options, self.arguments, scene, messages);
+        ready.list = list;
         light_layers::check(&ready.world, scene, &options)?;
         let options = RenderOptions { seed: self.seed(frame.number), ..options };
         (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, &options);

@@ -103,3 +103,24 @@ fn mistakes_are_told() {
     folder.gnurt(&format!("{SMALL} --light-groups -o p.png")).fails(2, "p.png has no layers");
     assert!(!folder.at("p.exr").exists(), "nothing was written");
 }
+
+#[test]
+fn files_want_layers() {
+    let folder = Folder::new();
+    super::animation::animated(&folder);
+    let path = folder.at("a.gltf");
+    let text = std::fs::read_to_string(&path).expect("a scene");
+    let wish = r#"{"extras":{"gnurt":{"outputs":["normal","direct","all_light=C.*"]}},"#;
+    std::fs::write(&path, text.replacen('{', wish, 1)).expect("a file");
+    let names = |more: &str| {
+        folder.gnurt(&format!("render a.gltf -r 16x12 --spp 2 {more} -o p.exr")).success();
+        let picture = read(&folder.at("p.exr")).expect("a picture");
+        let mut names: Vec<String> = picture.layers.iter().map(|layer| layer.name.clone()).collect();
+        names.sort_unstable();
+        names
+    };
+    assert_eq!(names("--integrator path"), ["N", "all_light", "background", "direct"], "those of the file");
+    assert_eq!(names("--integrator whitted"), ["N"], "as far as they are there");
+    assert_eq!(names("--integrator path --layers albedo"), ["albedo"], "options win");
+    folder.gnurt("render a.gltf -r 16x12 --spp 2 -o p.png").success();
+}

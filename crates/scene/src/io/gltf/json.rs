@@ -35,6 +35,9 @@ pub(super) struct Root<'a> {
     pub(super) cameras: Pieces<'a>,
     #[serde(borrow)]
     pub(super) extensions: RootExtensions<'a>,
+    /// Contents of any form, written by any program.
+    #[serde(borrow)]
+    pub(super) extras: Option<&'a RawValue>,
     #[serde(borrow)]
     pub(super) extensions_required: Vec<Text<'a>>,
     #[serde(borrow)]
@@ -380,6 +383,22 @@ pub(super) struct Material<'a> {
     /// Contents of any form, written by any program.
     #[serde(borrow)]
     pub(super) extras: Option<&'a RawValue>,
+}
+
+impl Root<'_> {
+    /// The layers of pictures in `extras`: `{"gnurt": {"outputs": [..]}}`.
+    pub(super) fn outputs(&self) -> Vec<String> {
+        #[derive(Deserialize)]
+        struct Extras {
+            gnurt: Wishes,
+        }
+        #[derive(Deserialize)]
+        struct Wishes {
+            outputs: Vec<String>,
+        }
+        let read = |extras: &RawValue| serde_json::from_str::<Extras>(extras.get()).ok();
+        self.extras.and_then(read).map_or_else(Vec::new, |extras| extras.gnurt.outputs)
+    }
 }
 
 /// A file, and names and values of parameters.
