@@ -17,7 +17,7 @@ use gnurt_scene::{InstanceId, Light, LightId, Material, MaterialId, Scene, Surfa
 /// * `lights.NAME.intensity`: a name of the file, or the number from 0 in the order of `gnurt info`. One number sets the largest
 ///   channel and keeps the colour; three numbers set the channels. The unit is the light's own (W/sr, W/m² or radiance).
 ///   `materials.NAME.emission` takes the same two forms.
-/// * `instances.NAME.visible`: `true` or `false`.
+/// * `instances.NAME.visible`: `true` or `false`; `instances.NAME.holdout`: whether it leaves a hole in the picture.
 /// * `group` of lights, materials and instances: the light group of what they give off; any name.
 /// * `link` and `shadow_link` of the same: names of the instances that their light reaches, and that stop it, between commas;
 ///   `none`, or `^` before the names for all others.
@@ -105,6 +105,7 @@ impl Override {
         let places = self.places(scene)?;
         match &self.field[..] {
             "group" => return self.put_into_group(&places, scene),
+            "holdout" if self.list == List::Instances => return self.hold_out(&places, scene),
             "link" => return self.link(&places, LinkKind::Lit, scene),
             "shadow_link" => return self.link(&places, LinkKind::Shadows, scene),
             _ => {}
@@ -160,6 +161,19 @@ impl Override {
             ));
         }
         places.iter().for_each(|&place| scene.labels_mut().set_light_group(self.shining(place), &self.value));
+        Ok(())
+    }
+
+    fn hold_out(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
+        let is_one: bool = self.value.parse().map_err(|_| {
+            format!("instances.{}.holdout: invalid value '{}'; give true or false", self.name, self.value)
+        })?;
+        for id in places.iter().copied().map(InstanceId) {
+            match is_one {
+                true => _ = scene.labels_mut().holdouts.insert(id),
+                false => _ = scene.labels_mut().holdouts.remove(&id),
+            }
+        }
         Ok(())
     }
 

@@ -81,7 +81,7 @@ mod tests {
             let radiance = Vec3s::splat(2, Vec3::splat(f32::from(u8::from(i % 2 == 0)) * 2.0));
             let mut hits = HitBatch::default();
             hits.reset(2);
-            tile.add_sample(&radiance, (&hits, &[]), 0..2);
+            tile.add_sample(&radiance, (&hits, &[], &[]), 0..2);
         }
         let at = needed(&tile, 0.1);
         assert!((100..=102).contains(&at), "1 / 0.1² = {at}");

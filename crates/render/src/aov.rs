@@ -104,7 +104,9 @@ impl TileAovs {
             sum[3] += 1.0;
         };
         let is_veiled = |lane: usize| tracer.veiled.get(lane).copied().unwrap_or(false);
-        let is_missed = |&lane: &usize| camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane);
+        let is_held = |lane: usize| tracer.held.get(lane).copied().unwrap_or(false);
+        let is_missed =
+            |&lane: &usize| is_held(lane) || (camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane));
         for lane in range.clone().filter(is_missed) {
             add(&mut self.missed[lane - first], radiance.get(lane));
         }

@@ -115,11 +115,11 @@ impl TileFilm {
         blocks(self.rect).flat_map(rows)
     }
 
-    /// Adds one sample, that of `lanes`, to each pixel; media count as opaque in `veiled` lanes; returns how many of them were no numbers, and count as black.
+    /// Adds one sample, that of `lanes`, to each pixel; media count as opaque in `veiled` lanes, and nothing does in `held` ones; returns how many of them were no numbers, and count as black.
     pub(crate) fn add_sample(
         &mut self,
         radiance: &Vec3s,
-        (hits, veiled): (&HitBatch, &[bool]),
+        (hits, veiled, held): (&HitBatch, &[bool], &[bool]),
         lanes: Range<usize>,
     ) -> u64 {
         let mut bad = 0;
@@ -129,7 +129,9 @@ impl TileFilm {
             let good = Vec3::new(x, y, z).is_finite();
             bad += u64::from(!good);
             let is_veiled = veiled.get(lane).copied().unwrap_or(false);
-            let opacity = f32::from(u8::from(is_veiled || hits.prim_id[lane] != INVALID_ID));
+            let is_held = held.get(lane).copied().unwrap_or(false);
+            let covers = !is_held && (is_veiled || hits.prim_id[lane] != INVALID_ID);
+            let opacity = f32::from(u8::from(covers));
             // Negative zeros become positive, as in sums.
             if good { [x + 0.0, y + 0.0, z + 0.0, opacity] } else { [0.0, 0.0, 0.0, opacity] }
         });

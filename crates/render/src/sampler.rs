@@ -14,6 +14,7 @@ use crate::camera_batch::CameraBatch;
 use crate::cost::TileCosts;
 use crate::expressions::Ledger;
 use crate::film::TileFilm;
+use crate::holdouts;
 use crate::integrators;
 use crate::job::Job;
 use crate::many_lights::interleave::{PatternTexels, Texel};
@@ -70,7 +71,9 @@ impl<'a> Sampler<'a> {
         tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
         let mut radiance = std::mem::take(&mut batch.radiance);
         let camera = batch.met();
+        holdouts::begin(tracer, camera.keys.len());
         integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, &mut radiance);
+        holdouts::hold_out(tracer, camera, &mut radiance);
         // A pixel shader's rays have lanes of their own.
         let veiled = std::mem::take(&mut tracer.veiled);
         let ledger = tracer.wavefront.ledger.take();
@@ -94,7 +97,8 @@ impl<'a> Sampler<'a> {
             if let Some(ledger) = &ledger {
                 tile.light.add(&ledger.layers, &taken, lanes.clone());
             }
-            tracer.stats.bad_samples += tile.add_sample(&radiance, (camera.hits, &tracer.veiled), lanes);
+            let covers = (camera.hits, &tracer.veiled[..], &tracer.held[..]);
+            tracer.stats.bad_samples += tile.add_sample(&radiance, covers, lanes);
         }
         tracer.wavefront.ledger = ledger;
         tracer.stats.camera_rays += camera.rays.len() as u64;
@@ -140,6 +144,8 @@ impl<'a> Sampler<'a> {
     ) -> RenderStats {
         let mut radiance = Vec3s::default();
         visible.filtered(tile, &mut radiance);
+        holdouts::begin(tracer, split.batch.keys.len());
+        holdouts::hold_out(tracer, split.batch.met(), &mut radiance);
         pixels::show(self.job, self.pass, tracer, &split.batch, &mut radiance);
         let camera = split.batch.met();
         if let Some(aovs) = &mut tile.aovs {
@@ -151,7 +157,8 @@ impl<'a> Sampler<'a> {
         }
         tile.costs.resize(split.costs.len(), 0);
         tile.costs.iter_mut().zip(&split.costs).for_each(|(sum, cost)| *sum += cost);
-        let bad_samples = tile.add_sample(&radiance, (camera.hits, &tracer.veiled), 0..camera.keys.len());
+        let covers = (camera.hits, &tracer.veiled[..], &tracer.held[..]);
+        let bad_samples = tile.add_sample(&radiance, covers, 0..camera.keys.len());
         let mut stats = tracer.take_stats();
         stats.add(&split.stats);
         stats.bad_samples += bad_samples;

@@ -80,6 +80,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) direct: Vec3s,
     /// Lanes of the camera whose light a medium scattered before it met a surface; empty if there are no media.
     pub(crate) veiled: Vec<bool>,
+    /// Lanes of the camera that see a hole; empty if the world has none.
+    pub(crate) held: Vec<bool>,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
     spare: Vec<Group>,
     /// Reused memory of the camera rays.
@@ -133,6 +135,7 @@ impl<'w> BatchTracer<'w> {
             record,
             direct: Vec3s::default(),
             veiled: Vec::new(),
+            held: Vec::new(),
             spare: Vec::new(),
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),

@@ -13,6 +13,7 @@ mod common;
 mod determinism;
 mod edits;
 mod filtering;
+mod holdouts;
 mod interleave;
 mod lanes;
 mod light_layers;

@@ -2,7 +2,7 @@
 //! Labels of a scene's parts, from its file: names of lights, moments, the wished picture.
 //! Nothing here changes a picture by itself. Tests: crates/usd/tests/{lights,cameras}.rs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, ObjectId};
 
@@ -27,6 +27,8 @@ pub struct Labels {
     pub bound_materials: BTreeMap<ObjectId, String>,
     /// Groups of lights; a group is a layer of its own in pictures that are mixed later.
     pub light_groups: BTreeMap<Shining, String>,
+    /// Instances that leave a hole in the picture: camera rays see nothing there, other rays see them.
+    pub holdouts: BTreeSet<InstanceId>,
     /// Lights that do not light everything, or whose light not everything stops.
     pub light_links: BTreeMap<Shining, LightLinks>,
 }

@@ -117,7 +117,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     if !tracer.world.media().is_empty() {
         let Wavefront { paths, next, unshadowed, in_media, ledger, linked, .. } = &mut *wavefront;
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked };
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held: None };
         let (of, from) = ((tracer.world, options), (&*paths, from.keys));
         dispatch_wide!(
             options.level,
@@ -168,7 +168,8 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         let medium = world.media().of_points(world, points);
         let met = Met { world, options, from, paths, numbers, points, closures, backdrop, is_final, medium };
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked };
+        let held = Some(&mut tracer.held).filter(|held| !held.is_empty());
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held };
         dispatch_wide!(
             options.level,
             simd => step::step(Sixteen(simd), &met, &mut onward),

@@ -54,6 +54,8 @@ pub(crate) struct Onward<'a> {
     pub(crate) ledger: Option<&'a mut Ledger>,
     /// Notes where paths were scattered, if some lights do not reach everything.
     pub(crate) linked: Option<&'a mut LinkedPaths>,
+    /// Lanes of the camera that see a hole, if the world has holdouts.
+    pub(crate) held: Option<&'a mut Vec<bool>>,
 }
 
 impl Met<'_> {
@@ -90,6 +92,16 @@ impl Met<'_> {
             }
         }
         true
+    }
+
+    /// Whether the path at point `k` comes straight from the camera and sees a hole.
+    fn is_held_out(&self, k: usize, onward: &mut Onward) -> bool {
+        let path = self.path(k);
+        let is_one = path.edges == 1 && self.world.labels().holdouts.contains(&self.points.inst_id[k]);
+        if is_one && let Some(held) = onward.held.as_mut().and_then(|held| held.get_mut(path.lane as usize)) {
+            *held = true;
+        }
+        is_one
     }
 
     /// Whether light is absorbed between surfaces by the rule of the ends, not by media that paths fly through.
@@ -207,13 +219,18 @@ pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
     let count = met.numbers.len();
     onward.next.reserve(count);
     onward.unshadowed.reserve(count);
-    let needs_vertices =
-        met.closures.emits() || met.closures.is_partly_transparent() || met.backdrop.is_some();
+    let has_holdouts = onward.held.is_some();
+    let needs_vertices = has_holdouts
+        || met.closures.emits()
+        || met.closures.is_partly_transparent()
+        || met.backdrop.is_some();
     for first in (0..count).step_by(W::R::LANES) {
         let mut there = u64::MAX >> (64 - W::R::LANES.min(count - first));
         if needs_vertices {
             for i in LanesOf(there) {
                 if met.closures.is_partly_transparent() && met.passes(first + i, onward) {
+                    there &= !(1 << i);
+                } else if has_holdouts && met.is_held_out(first + i, onward) {
                     there &= !(1 << i);
                 } else {
                     met.take_light(first + i, met.world.light_set(), onward);

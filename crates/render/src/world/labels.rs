@@ -3,7 +3,7 @@
 //! Lights are in the order of a light set: points, spots, directional lights.
 //! Tests: crates/render/tests/light_layers.rs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gnurt_scene::labels::{LightLinks, Shining};
 use gnurt_scene::{InstanceId, Light, LightId, MaterialId, Scene};
@@ -37,6 +37,8 @@ pub(crate) struct WorldLabels {
     pub(crate) environment: Names,
     /// Instances with an emissive mesh, by id.
     pub(crate) instances: BTreeMap<u32, Names>,
+    /// Instances that leave a hole in the picture.
+    pub(crate) holdouts: BTreeSet<u32>,
     /// Whether any has links.
     pub(crate) has_links: bool,
 }
@@ -71,6 +73,7 @@ impl WorldLabels {
             lights: order.iter().map(of_light).collect(),
             environment: environment.as_ref().map(of_light).unwrap_or_default(),
             instances: instances.collect(),
+            holdouts: labels.holdouts.iter().map(|id| id.0).collect(),
             has_links: !labels.light_links.is_empty(),
         }
     }

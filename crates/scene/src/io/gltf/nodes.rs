@@ -285,6 +285,10 @@ impl Adder<'_> {
             let mask = self.ray_mask(&name, node, warnings);
             let instance =
                 self.scene.add_instance(Instance { name, object, world_from_object, visible, mask });
+            let holdout = node.extras.as_ref().and_then(|extras| extras.get("holdout"));
+            if holdout.and_then(serde_json::Value::as_bool) == Some(true) {
+                self.scene.labels_mut().holdouts.insert(instance);
+            }
             if let Some(group) = json::light_group(node.extras.as_ref()) {
                 self.scene.labels_mut().set_light_group(Shining::Instance(instance), group);
             }

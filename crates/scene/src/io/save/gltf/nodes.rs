@@ -148,6 +148,9 @@ impl Nodes {
                 if found.mask != RayMask::ALL {
                     node["extras"] = json!({ "mask": found.mask.0 });
                 }
+                if found.depth == 0 && scene.labels().holdouts.contains(&found.instance) {
+                    node["extras"]["holdout"] = json!(true);
+                }
                 if found.depth == 0 {
                     put_into_group(&mut node, scene, Shining::Instance(found.instance));
                 }
