@@ -228,9 +228,8 @@ pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
         let mut there = u64::MAX >> (64 - W::R::LANES.min(count - first));
         if needs_vertices {
             for i in LanesOf(there) {
-                if met.closures.is_partly_transparent() && met.passes(first + i, onward) {
-                    there &= !(1 << i);
-                } else if has_holdouts && met.is_held_out(first + i, onward) {
+                let passes = met.closures.is_partly_transparent() && met.passes(first + i, onward);
+                if passes || (has_holdouts && met.is_held_out(first + i, onward)) {
                     there &= !(1 << i);
                 } else {
                     met.take_light(first + i, met.world.light_set(), onward);
