@@ -72,7 +72,7 @@ def of_picture(picture, entry, export, uv=None):
     if name == "Diffuse Color":
         return picture["albedo"]
     if name == "Emission":
-        return picture["emission"] - picture["background"][..., :3]
+        return picture["unscattered"] - picture["background"][..., :3]
     if name == "Environment":
         return picture["background"][..., :3]
     if name == "UV":

@@ -126,8 +126,10 @@ fn kind_of_commit(error: &CommitError) -> Error {
 fn kind_of_options(error: &RenderError) -> Error {
     match error {
         RenderError::NothingToDo { .. } | RenderError::TooLarge { .. } => Error::InvalidValue,
-        // Programs of this library request no pieces.
-        RenderError::EmptyCrop { .. }
+        // Programs of this library request neither pieces nor layers of light.
+        RenderError::LayersOfLight { .. }
+        | RenderError::Expression(_)
+        | RenderError::EmptyCrop { .. }
         | RenderError::NoSuchPixel { .. }
         | RenderError::NoSuchPiece { .. }
         | RenderError::InterleavedPiece => Error::InvalidOperation,

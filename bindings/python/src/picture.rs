@@ -8,7 +8,10 @@ use gnurt::display_rules::TONE;
 use gnurt::image::{
     self, ChannelData, ExrPixels, Opacity, PictureFormat, ToneCurve, WriteOptions, exposure_for,
 };
-use pyo3::exceptions::{PyKeyError, PyOSError, PyValueError};
+use gnurt::mattes;
+use gnurt::relight::{self, Gain};
+use gnurt::render::MatteKind;
+use pyo3::exceptions::{PyKeyError, PyOSError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
@@ -279,6 +282,57 @@ impl Picture {
         let mut picture = self.picture.clone();
         py.detach(|| take_noise_out(&mut picture, method, self.crop, threads))?;
         Ok(Self { picture, exposure: self.exposure, crop: self.crop })
+    }
+
+    /// The light groups of the picture.
+    #[getter]
+    fn light_groups(&self) -> Vec<String> {
+        relight::light_groups(&self.picture)
+    }
+
+    /// The picture with other strengths of its light groups: a number each, or three for red, green and blue; `rest` is light without a group.
+    #[pyo3(signature = (**gains))]
+    fn relight(&self, py: Python<'_>, gains: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut all = Vec::new();
+        for (group, value) in gains.into_iter().flatten() {
+            let group: String = group.extract()?;
+            let color = match value.extract::<f32>() {
+                Ok(gain) => [gain; 3],
+                Err(_) => value.extract::<[f32; 3]>().map_err(|_| {
+                    PyTypeError::new_err(format!("{group}: expected a number or three numbers"))
+                })?,
+            };
+            all.push(Gain { group, color });
+        }
+        let gains = all;
+        let mut picture = self.picture.clone();
+        py.detach(|| relight::relight(&mut picture, &gains)).map_err(PyValueError::new_err)?;
+        Ok(Self { picture, exposure: self.exposure, crop: self.crop })
+    }
+
+    /// float32 (height, width): how much of each pixel the thing of this name covers, by Cryptomatte. Kinds are object, material, asset.
+    #[pyo3(signature = (name, kind="object"))]
+    fn matte<'py>(&self, py: Python<'py>, name: &str, kind: &str) -> PyResult<Bound<'py, PyAny>> {
+        let kind = match kind {
+            "object" => MatteKind::Object,
+            "material" => MatteKind::Material,
+            "asset" => MatteKind::Asset,
+            _ => {
+                return Err(PyValueError::new_err(format!(
+                    "kind: unknown kind of mattes '{kind}'; valid are: object, material, asset"
+                )));
+            }
+        };
+        let Some(covered) = mattes::matte(&self.picture, kind, name) else {
+            return Err(PyKeyError::new_err(format!(
+                "no {}: render with layers=\"cryptomatte\"",
+                kind.layer()
+            )));
+        };
+        let mut array = New::<f32>::empty(py, covered.len(), 1)?;
+        array.all().copy_from_slice(&covered);
+        let (width, height) = (self.picture.width as usize, self.picture.height as usize);
+        array.done().into_bound(py).call_method1("reshape", (height, width))
     }
 
     fn __repr__(&self) -> String {

@@ -7,9 +7,14 @@ use std::time::Duration;
 
 use gnurt::denoise::Method;
 use gnurt::image;
+use gnurt::layers::{self, LayerList};
+use gnurt::mattes;
 use gnurt::memory::check_memory;
 use gnurt::osl::{Access, CameraScript, Script};
-use gnurt::render::{Accumulation, RenderOptions, RenderStats, render_on};
+use gnurt::render::{
+    Accumulation, Integrator, LightLayer, Mattes, RenderError, RenderOptions, RenderStats, render_on,
+    unknown_labels,
+};
 use gnurt::scene::Affine;
 use gnurt::shading::PixelShader;
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
@@ -32,6 +37,9 @@ pub(crate) struct BuildRequest {
     pub(crate) threads: ThreadCount,
     options: RenderOptions,
     layers: bool,
+    /// The layers that are kept; `None` = all that there are.
+    list: Option<LayerList>,
+    light_groups: bool,
     denoise: Option<Method>,
 }
 
@@ -45,7 +53,10 @@ impl BuildRequest {
         };
         let default = RenderOptions::default();
         let (width, height) = (side(&mut given, "width", 640)?, side(&mut given, "height", 480)?);
-        let layers = given.flag("layers")?.unwrap_or(false);
+        let (has_layers, list) = layer_list(&mut given)?;
+        let light_groups = given.flag("light_groups")?.unwrap_or(false);
+        let layers = has_layers || light_groups;
+        let depth = given.whole("crypto_depth", 2, Mattes::DEEPEST.into())?;
         let denoise = denoiser(&mut given)?;
         let crop: Option<[f32; 4]> = given.numbers("crop")?;
         let time = given.number("time", 0.001, 1e9)?;
@@ -63,9 +74,18 @@ impl BuildRequest {
             crop: crop.map(|corners| corners.map(|x| x.max(0.0) as u32)),
             time_limit: time.map(Duration::from_secs_f64),
             aovs: layers || denoise.is_some(),
+            light_layers: list.iter().flat_map(|list| list.light.clone()).collect(),
+            mattes: Mattes {
+                kinds: list.iter().flat_map(|list| list.mattes.clone()).collect(),
+                depth: depth.map_or(Mattes::DEPTH, |depth| depth as u32),
+            },
             ..default
         };
         options.region().map_err(|error| PyValueError::new_err(error.to_string()))?;
+        if light_groups && options.integrator != Integrator::Path {
+            let integrator = options.integrator.name();
+            return Err(PyValueError::new_err(RenderError::LayersOfLight { integrator }.to_string()));
+        }
         if options.noise.is_some() && options.integrator.has_virtual_lights() {
             return Err(PyValueError::new_err(format!(
                 "noise: unsupported with integrator '{}', whose pixels share their noise; give spp",
@@ -83,6 +103,7 @@ impl BuildRequest {
             pixel_shader: pixel_shader(&mut given)?,
             motion: motion_keys(&mut given)?,
             integrator: options.integrator,
+            needs_names: !options.mattes.kinds.is_empty(),
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
         };
         if view.at.is_some() && view.motion.is_some() {
@@ -93,7 +114,30 @@ impl BuildRequest {
         }
         let threads = given.whole("threads", 0, 1024)?.unwrap_or(0) as usize;
         given.end()?;
-        Ok(Self { view, threads: ThreadCount::new(threads)?, options, layers, denoise })
+        Ok(Self { view, threads: ThreadCount::new(threads)?, options, layers, list, light_groups, denoise })
+    }
+
+    /// The picture of a shot, without samples.
+    fn begun(&self, shot: &Shot) -> PyResult<Accumulation> {
+        let error = |why: &dyn std::fmt::Display| PyValueError::new_err(format!("layers: {why}"));
+        let mut options = self.options.clone();
+        if self.light_groups {
+            let groups: Vec<&str> = shot.groups.iter().map(String::as_str).collect();
+            let is_new =
+                |layer: &LightLayer| options.light_layers.iter().all(|known| known.name != layer.name);
+            let more: Vec<LightLayer> = LightLayer::of_groups(&groups).into_iter().filter(is_new).collect();
+            options.light_layers.extend(more);
+        }
+        if !options.light_layers.is_empty() {
+            let unknown = unknown_labels(&shot.world, &options.light_layers).map_err(|why| error(&why))?;
+            if let Some(label) = unknown.first() {
+                return Err(error(&format_args!(
+                    "no light, material or light group is called '{label}'; light groups are: {}",
+                    shot.groups.join(", ")
+                )));
+            }
+        }
+        Accumulation::new(options).map_err(|why| error(&why))
     }
 
     /// The finished picture of the input that `ready` prepares.
@@ -105,11 +149,11 @@ impl BuildRequest {
     ) -> PyResult<Picture> {
         watched(py, progress, |watch| {
             let shot = ready()?;
-            let begun = Accumulation::new(self.options.clone())
-                .map_err(|error| PyValueError::new_err(error.to_string()))?;
+            let begun = self.begun(&shot)?;
+            let light_layers = begun.options().light_layers.clone();
             let pool = self.threads.pool()?;
             let frame = render_on(begun, &shot.world, &*shot.camera, &pool, watch, None, &mut |_| {});
-            self.finished(frame.picture, &frame.stats, shot.exposure)
+            self.finished(frame.picture, &light_layers, &frame.stats, &shot)
         })
     }
 
@@ -117,8 +161,9 @@ impl BuildRequest {
     fn finished(
         &self,
         mut picture: image::Picture,
+        light_layers: &[LightLayer],
         stats: &RenderStats,
-        exposure: Option<f32>,
+        shot: &Shot,
     ) -> PyResult<Picture> {
         let crop = self.options.crop.and_then(|_| self.options.region().ok());
         if let Some(method) = self.denoise {
@@ -128,14 +173,37 @@ impl BuildRequest {
                 picture.layers.clear();
             }
         }
+        if let Some(list) = self.list.as_ref().filter(|_| self.layers) {
+            list.apply(&mut picture, light_layers);
+        }
+        if let Some(scene) = &shot.named {
+            mattes::describe(&mut picture, scene);
+        }
         picture.set_metadata("seed", self.options.seed.to_string());
         picture.set_metadata("integrator", self.options.integrator.to_string());
         picture.set_metadata("filter", self.options.filter.to_string());
         if self.layers {
             picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
         }
-        Ok(Picture { picture, exposure, crop })
+        Ok(Picture { picture, exposure: shot.exposure, crop })
     }
+}
+
+/// `True`, a text with words between commas, or a list of words: whether there are layers, and which.
+fn layer_list(given: &mut Given) -> PyResult<(bool, Option<LayerList>)> {
+    let Some(value) = given.get("layers")? else { return Ok((false, None)) };
+    if let Ok(are_wanted) = value.extract::<bool>() {
+        return Ok((are_wanted, None));
+    }
+    let text = match value.extract::<String>() {
+        Ok(text) => text,
+        Err(_) => value
+            .extract::<Vec<String>>()
+            .map_err(|_| PyTypeError::new_err("layers: expected True, a text or a list of texts"))?
+            .join(","),
+    };
+    let list = layers::layers(&text).map_err(|why| PyValueError::new_err(format!("layers: {why}")))?;
+    Ok((true, Some(list)))
 }
 
 /// `None` and `False` leave the noise, `True` is the best that is there.
@@ -235,8 +303,7 @@ pub(crate) struct Growing {
 
 impl Growing {
     pub(crate) fn new(request: BuildRequest, shot: Shot) -> PyResult<Self> {
-        let begun = Accumulation::new(request.options.clone());
-        let begun = begun.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let begun = request.begun(&shot)?;
         Ok(Self { request, shot, so_far: Mutex::new(begun) })
     }
 }
@@ -261,10 +328,10 @@ impl Growing {
 
     /// The picture so far.
     fn picture(&self, py: Python<'_>) -> PyResult<Picture> {
-        let (picture, stats) = {
+        let (picture, light, stats) = {
             let so_far = self.so_far.lock_py_attached(py).unwrap_or_else(std::sync::PoisonError::into_inner);
-            (so_far.picture(), so_far.stats().clone())
+            (so_far.picture(), so_far.options().light_layers.clone(), so_far.stats().clone())
         };
-        py.detach(|| self.request.finished(picture, &stats, self.shot.exposure))
+        py.detach(|| self.request.finished(picture, &light, &stats, &self.shot))
     }
 }

@@ -422,6 +422,11 @@ impl Scene {
         })
     }
 
+    /// Changes a value by text.
+    fn _set(&self, py: Python<'_>, change: &str) -> PyResult<()> {
+        self.with(py, |stage| stage.change(change)).map_err(PyValueError::new_err)
+    }
+
     #[pyo3(signature = (arguments, progress=None))]
     fn _render(
         &self,

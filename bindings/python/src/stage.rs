@@ -35,6 +35,8 @@ pub(crate) struct View {
     pub(crate) motion: Option<MotionKeys>,
     pub(crate) integrator: Integrator,
     pub(crate) force_diffuse: bool,
+    /// Whether names of the scene go into the picture.
+    pub(crate) needs_names: bool,
 }
 
 /// Transforms of instances, and cameras, at times evenly spaced while the shutter is open.
@@ -66,6 +68,10 @@ pub(crate) struct Shot {
     pub(crate) camera: Arc<dyn CameraShader>,
     /// Stops that suit the light, where that is known before.
     pub(crate) exposure: Option<f32>,
+    /// The light groups of its scene.
+    pub(crate) groups: Vec<String>,
+    /// The scene, if names of it are needed.
+    pub(crate) named: Option<Scene>,
 }
 
 /// A scene and its world.
@@ -187,6 +193,13 @@ impl Stage {
         edit(&mut self.scene)
     }
 
+    /// Changes a value by text, as the program's `--set` does.
+    pub(crate) fn change(&mut self, change: &str) -> Result<(), String> {
+        let change = gnurt::Override::parse(change)?;
+        self.shown = None;
+        change.apply(&mut self.scene)
+    }
+
     /// Makes it ready.
     pub(crate) fn shoot(&mut self, view: &View, pool: &ThreadPool) -> PyResult<Shot> {
         let clip = self.clip(view)?;
@@ -234,7 +247,9 @@ impl Stage {
             .unwrap_or(keys);
         let rays = camera_rays_along(keys, camera_shader.as_ref(), view.size).ok_or_else(no_view)?;
         let exposure = if view.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
-        Ok(Shot { world: shown.world.clone(), camera: rays, exposure })
+        let groups = scene.labels().group_names().into_iter().map(str::to_owned).collect();
+        let named = view.needs_names.then(|| scene.clone());
+        Ok(Shot { world: shown.world.clone(), camera: rays, exposure, groups, named })
     }
 
     /// The shader of camera rays: the requested one, or that of the scene's file.

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import json
 import os
 import signal
 import threading
@@ -268,3 +269,39 @@ def test_skies():
 
     for skies in (("day", "evening"), ("evening", "overcast"), ("overcast", "day"), ("day", "overcast", "evening")):
         assert np.allclose(under(*skies).mean((0, 1)), under(skies[-1]).mean((0, 1)), rtol=0.05), skies
+
+
+def test_layers_of_light():
+    scene = gnurt.load("builtin:cornell")
+    scene.set("materials.light.group=lamp")
+    parts = ["diffuse", "glossy", "transmission", "volume", "emission", "environment"]
+    picture = scene.render(24, 18, spp=4, layers=[*parts, "caustic=C<RD><.S>+L"], light_groups=True)
+    whole = np.asarray(picture)[..., :3]
+    assert np.allclose(sum(picture[name] for name in parts), whole, atol=1e-5, rtol=1e-5)
+    assert picture.light_groups == ["lamp", "rest"] and "caustic" in picture.layers
+    assert np.allclose(picture["light.lamp"] + picture["light_rest"], whole, atol=1e-5, rtol=1e-5)
+    relit = picture.relight(lamp=(2, 1, 0), rest=0)
+    assert np.allclose(np.asarray(relit)[..., :3], whole * (2, 1, 0), atol=1e-5, rtol=1e-5)
+    grown = list(scene.accumulate(24, 18, spp=4, layers="direct,indirect,emission,environment"))[-1]
+    assert np.allclose(sum(grown[name] for name in ["direct", "indirect", "emission", "environment"]), whole, atol=1e-5, rtol=1e-5)
+    with pytest.raises(ValueError, match="unknown layer 'dirct'"):
+        scene.render(8, 8, layers="dirct")
+    with pytest.raises(ValueError, match="called 'kye'; light groups are: lamp"):
+        scene.render(8, 8, layers=["light:kye"])
+    with pytest.raises(ValueError, match="unsupported with the integrator bir"):
+        scene.render(8, 8, layers=["direct"], integrator="bir")
+    with pytest.raises(ValueError, match="unknown light group 'lmap'"):
+        picture.relight(lmap=2)
+    with pytest.raises(ValueError, match="unknown name 'nothing'"):
+        scene.set("materials.nothing.group=a")
+
+
+def test_mattes():
+    scene = gnurt.load("builtin:spheres")
+    picture = scene.render(40, 30, spp=4, layers="cryptomatte", crypto_depth=8)
+    names = json.loads(next(v for k, v in picture.metadata.items() if k.endswith("manifest") and "red" in v))
+    total = sum(picture.matte(name) for name in scene.instances)
+    assert np.allclose(total, np.asarray(picture)[..., 3], atol=1e-6) and "red" in names
+    assert picture.matte("checkerboard", "material").max() == 1 and picture.matte("nothing").max() == 0
+    with pytest.raises(KeyError, match="cryptomatte"):
+        scene.render(8, 8).matte("red")

@@ -6,7 +6,8 @@
 use std::path::{Path, PathBuf};
 
 use gnurt::Numbered;
-use gnurt::image::{self, ExrPixels, Picture, PictureFormat, WriteOptions};
+use gnurt::image::{self, ExrCompression, ExrPixels, Picture, PictureFormat, WriteOptions};
+use gnurt::mattes::is_matte;
 
 use crate::arguments::{DisplayOptions, LightArguments};
 use crate::failure::{Failure, Outcome};
@@ -115,6 +116,12 @@ impl Output {
     }
 
     fn put(&self, picture: &Picture, options: &WriteOptions) -> Outcome {
+        let rounds = self.has_layers() && options.exr_compression == ExrCompression::Pxr24;
+        if rounds && picture.layers.iter().any(|layer| is_matte(&layer.name)) {
+            return Err(Failure::usage(
+                "--compression pxr24 rounds the ids of Cryptomatte; give another compression",
+            ));
+        }
         let bytes = image::encode(picture, self.format, options)
             .map_err(|error| Failure::data(format_args!("{}: {error}", self.path.display())))?;
         let replaced = while_writing(|| image::replace_file_if(&self.path, &bytes, || !is_leaving()));

@@ -88,6 +88,7 @@ fn run_command(command: Command, environment: &Environment, messages: Messages) 
         Command::Render(arguments) => commands::render::run(&arguments, environment, messages),
         Command::Join(arguments) => commands::join::run(&arguments, environment, messages),
         Command::Denoise(arguments) => commands::denoise::run(&arguments, environment, messages),
+        Command::Relight(arguments) => commands::relight::run(&arguments, messages),
         Command::View(arguments) => commands::view::run(&arguments, environment, messages),
         Command::Info(arguments) => commands::info::run(&arguments, environment, messages),
         Command::Diff(arguments) => commands::diff::run(&arguments, messages),

@@ -170,6 +170,11 @@ pub(crate) fn tell_left_out(scene: &Scene, integrator: Integrator, messages: Mes
             "--integrator {integrator} leaves out media that scatter or give off light; path shows them"
         ));
     }
+    if !scene.labels().light_links.is_empty() && integrator != Integrator::Path {
+        messages.warning(format_args!(
+            "--integrator {integrator} ignores the links of lights to instances; path follows them"
+        ));
+    }
 }
 
 /// The requested camera, posed as in the scene now, and its rays.

@@ -4,7 +4,7 @@
 //!
 //! Two methods: a filter without dependencies ([`Method::BuiltIn`]), and Intel's Open Image Denoise if its
 //! library is found at run time ([`Method::Oidn`]). Both use features of camera rays' first hits, which have
-//! little noise: the picture must have the layers `albedo`, `N` and `variance` of a rendering; `emission`,
+//! little noise: the picture must have the layers `albedo`, `N` and `variance` of a rendering; `unscattered`,
 //! the directly visible light, keeps the edges of lights sharp.
 //! Space: linear light.
 //!

@@ -60,10 +60,11 @@ impl Noisy {
             variance: layer("variance", rgb)?,
             albedo: layer("albedo", rgb)?,
             normal: layer("N", xyz)?,
-            emission: if picture.layer("emission").is_some() {
-                layer("emission", rgb)?
-            } else {
-                vec![[0.0; 3]; (x1 - x0) as usize * (y1 - y0) as usize]
+            // Other renderers, and layers of light, have emission by itself.
+            emission: match ["unscattered", "emission"].into_iter().find(|name| picture.layer(name).is_some())
+            {
+                Some(name) => layer(name, rgb)?,
+                None => vec![[0.0; 3]; (x1 - x0) as usize * (y1 - y0) as usize],
             },
         })
     }

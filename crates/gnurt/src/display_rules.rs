@@ -5,7 +5,7 @@
 //! Tests: `tests`, and the command line's `tests/program/display.rs`.
 
 use crate::image::{ToneCurve, exposure_for};
-use crate::render::{Integrator, RenderError, RenderOptions, Silent, World, render};
+use crate::render::{Integrator, Mattes, RenderError, RenderOptions, Silent, World, render};
 use crate::shading::CameraShader;
 
 /// The curve that pictures for screens get.
@@ -55,6 +55,8 @@ pub fn meter(
         noise: None,
         interleave: 1,
         aovs: false,
+        light_layers: Vec::new(),
+        mattes: Mattes::default(),
         heatmap: false,
         piece: None,
         time_limit: None,

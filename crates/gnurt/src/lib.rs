@@ -84,11 +84,14 @@ mod error;
 #[expect(unsafe_code, reason = "a global allocator")]
 mod ffi_heap;
 mod film_motion;
+pub mod layers;
 mod load;
+pub mod mattes;
 pub mod memory;
 mod named_shaders;
 mod numbered;
 mod overrides;
+pub mod relight;
 mod script_sky;
 mod size;
 mod surroundings;

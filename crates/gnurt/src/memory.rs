@@ -15,6 +15,11 @@ pub use crate::size::format_bytes;
 const PER_PIXEL: u64 = 64;
 /// Albedo, normal, position, depth, ids and background, and their bytes in the file.
 const LAYERS_PER_PIXEL: u64 = 360;
+/// A layer of light: sums, the mean, and its bytes in the file.
+const LIGHT_LAYER_PER_PIXEL: u64 = 60;
+/// The things of a pixel of one kind of mattes; and each rank, with its bytes in the file.
+const MATTE_PER_PIXEL: u64 = 80;
+const RANK_PER_PIXEL: u64 = 20;
 /// Costs and their colours.
 const HEAT_PER_PIXEL: u64 = 40;
 /// The output of a denoiser.
@@ -25,9 +30,12 @@ const CLEAN_PER_PIXEL: u64 = 160;
 pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
     let layers = if options.aovs || is_denoised { LAYERS_PER_PIXEL } else { 0 };
     let clean = if is_denoised { CLEAN_PER_PIXEL } else { 0 };
+    let light = LIGHT_LAYER_PER_PIXEL * options.light_layers.len() as u64;
+    let ranks = u64::from(options.mattes.depth) * RANK_PER_PIXEL;
+    let mattes = options.mattes.kinds.len() as u64 * (MATTE_PER_PIXEL + ranks);
     let heat = if options.heatmap { HEAT_PER_PIXEL } else { 0 };
     let pixels = u64::from(options.width) * u64::from(options.height);
-    pixels.saturating_mul(PER_PIXEL + layers + clean + heat)
+    pixels.saturating_mul(PER_PIXEL + layers + light + mattes + clean + heat)
 }
 
 /// Whether the picture fits into the free memory of the machine.

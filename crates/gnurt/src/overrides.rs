@@ -4,6 +4,8 @@
 //! fields, with their ranges.
 //! Tests: `tests`, crates/cli/tests/program/overrides.rs.
 
+use gnurt_scene::labels::Shining;
+use gnurt_scene::light_links::LinkKind;
 use gnurt_scene::material::{Alpha, Principled};
 use gnurt_scene::{InstanceId, Light, LightId, Material, MaterialId, Scene, Surface};
 
@@ -12,10 +14,13 @@ use gnurt_scene::{InstanceId, Light, LightId, Material, MaterialId, Scene, Surfa
 /// * `materials.NAME.FIELD`: base_color, metallic, roughness, ior, specular, clearcoat, transmission, emission, opacity and others; an
 ///   error lists those of the material's kind. Colours are linear: three numbers `r,g,b`, or one for a grey. A texture of the
 ///   field stays, and is multiplied.
-/// * `lights.NUMBER.intensity`: the number counts from 0 in the order of `gnurt info`. One number sets the largest channel and
-///   keeps the colour; three numbers set the channels. The unit is the light's own (W/sr, W/m² or radiance).
+/// * `lights.NAME.intensity`: a name of the file, or the number from 0 in the order of `gnurt info`. One number sets the largest
+///   channel and keeps the colour; three numbers set the channels. The unit is the light's own (W/sr, W/m² or radiance).
 ///   `materials.NAME.emission` takes the same two forms.
-/// * `instances.NAME.visible`: `true` or `false`.
+/// * `instances.NAME.visible`: `true` or `false`; `instances.NAME.holdout`: whether it leaves a hole in the picture.
+/// * `group` of lights, materials and instances: the light group of what they give off; any name.
+/// * `link` and `shadow_link` of the same: names of the instances that their light reaches, and that stop it, between commas;
+///   `none`, or `^` before the names for all others.
 ///
 /// `*` as a name means all of them: those without the field stay as they are, but one must have it.
 ///
@@ -98,6 +103,13 @@ impl Override {
     /// The scene is then unchanged, except for elements before the faulty one under `*`.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         let places = self.places(scene)?;
+        match &self.field[..] {
+            "group" => return self.put_into_group(&places, scene),
+            "holdout" if self.list == List::Instances => return self.hold_out(&places, scene),
+            "link" => return self.link(&places, LinkKind::Lit, scene),
+            "shadow_link" => return self.link(&places, LinkKind::Shadows, scene),
+            _ => {}
+        }
         let mut valid: Vec<&'static str> = Vec::new();
         let mut changed = 0;
         for place in places {
@@ -138,6 +150,63 @@ impl Override {
         Err(format!("{list}.{name}: unknown field '{}'; valid are: {valid}", self.field))
     }
 
+    fn put_into_group(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
+        let is_fine = |c: char| c.is_alphanumeric() || "_-. ".contains(c);
+        if !self.value.chars().all(is_fine) || self.value.len() > 100 {
+            return Err(format!(
+                "{}.{}.group: invalid value '{}'; give letters, digits, _ - . and spaces",
+                self.list_name(),
+                self.name,
+                self.value
+            ));
+        }
+        places.iter().for_each(|&place| scene.labels_mut().set_light_group(self.shining(place), &self.value));
+        Ok(())
+    }
+
+    fn hold_out(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
+        let is_one: bool = self.value.parse().map_err(|_| {
+            format!("instances.{}.holdout: invalid value '{}'; give true or false", self.name, self.value)
+        })?;
+        for id in places.iter().copied().map(InstanceId) {
+            match is_one {
+                true => _ = scene.labels_mut().holdouts.insert(id),
+                false => _ = scene.labels_mut().holdouts.remove(&id),
+            }
+        }
+        Ok(())
+    }
+
+    /// Links lights to instances by names between commas; `^` before the first means all but these.
+    fn link(&self, places: &[u32], kind: LinkKind, scene: &mut Scene) -> Result<(), String> {
+        let (is_negated, list) =
+            self.value.strip_prefix('^').map_or((false, &self.value[..]), |rest| (true, rest));
+        let names: Vec<&str> = list.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+        let (found, unknown) = match &names[..] {
+            ["none"] => (Vec::new(), Vec::new()),
+            names => scene.instances_named(names),
+        };
+        if let Some(name) = unknown.first() {
+            let (list, own, field) = (self.list_name(), &self.name, &self.field);
+            return Err(format!("{list}.{own}.{field}: no instance is called '{name}'"));
+        }
+        let all = (0..scene.instances().len() as u32).map(InstanceId);
+        let members: Vec<InstanceId> =
+            if is_negated { all.filter(|id| found.binary_search(id).is_err()).collect() } else { found };
+        for &place in places {
+            scene.link_light(self.shining(place), kind, Some(members.clone()));
+        }
+        Ok(())
+    }
+
+    fn shining(&self, place: u32) -> Shining {
+        match self.list {
+            List::Materials => Shining::Material(MaterialId(place)),
+            List::Lights => Shining::Light(LightId(place)),
+            List::Instances => Shining::Instance(InstanceId(place)),
+        }
+    }
+
     fn list_name(&self) -> &'static str {
         LISTS.iter().find(|(_, list)| *list == self.list).map_or("", |(name, _)| name)
     }
@@ -146,10 +215,20 @@ impl Override {
     fn places(&self, scene: &Scene) -> Result<Vec<u32>, String> {
         let names: Vec<String> = match self.list {
             List::Materials => scene.materials().iter().map(|material| material.name.clone()).collect(),
-            List::Lights => (0..scene.lights().len()).map(|number| number.to_string()).collect(),
+            List::Lights => {
+                let name = |number: u32| {
+                    let named = scene.labels().lights.get(&LightId(number));
+                    // Numbers mean a light whatever its name is.
+                    let is_number = self.name == number.to_string();
+                    named.filter(|_| !is_number).cloned().unwrap_or_else(|| number.to_string())
+                };
+                (0..scene.lights().len() as u32).map(name).collect()
+            }
             List::Instances => scene.instances().iter().map(|instance| instance.name.clone()).collect(),
         };
-        let meant = |name: &String| self.name == "*" || *name == self.name;
+        // Paths are known by their last part as well.
+        let is_last = |name: &str| name.rsplit('/').next() == Some(&self.name[..]);
+        let meant = |name: &String| self.name == "*" || *name == self.name || is_last(name);
         let places: Vec<u32> = (0..).zip(&names).filter(|(_, name)| meant(name)).map(|(i, _)| i).collect();
         if !places.is_empty() {
             return Ok(places);

@@ -59,7 +59,7 @@ fn emission_is_what_paths_of_one_edge_bring() {
     for name in ["builtin:cornell", "builtin:spheres"] {
         let whole = room_to_depth(name, 4, 5, &pool);
         let mut direct = room_to_depth(name, 4, 1, &pool);
-        let emission = whole.layer("emission").expect("path tells");
+        let emission = whole.layer("unscattered").expect("path tells");
         for (k, channel) in ["R", "G", "B"].into_iter().enumerate() {
             let ChannelData::F32(values) = &emission.channel(channel).expect("three colours").data else {
                 panic!("floats")

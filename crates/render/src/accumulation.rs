@@ -21,6 +21,7 @@ use crate::job::Job;
 use crate::layers;
 use crate::many_lights::interleave::PatternTexels;
 use crate::many_lights::{self, Common, PersistentLights};
+use crate::mattes;
 use crate::motion::PictureHistory;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
@@ -122,6 +123,8 @@ impl Accumulation {
             && (options.aovs, options.heatmap) == (self.options.aovs, self.options.heatmap)
             && film::tile_size(&options) == film::tile_size(&self.options)
             && options.piece == self.options.piece
+            && options.light_layers == self.options.light_layers
+            && options.mattes == self.options.mattes
         {
             self.tiles.iter_mut().for_each(TileFilm::clear);
         } else {
@@ -300,6 +303,8 @@ impl Accumulation {
         if self.options.aovs {
             layers::add_layers(&mut picture, &self.tiles);
         }
+        mattes::add_mattes(&mut picture, &self.tiles, &self.options.mattes);
+        layers::add_light(&mut picture, &self.tiles, &self.options.light_layers);
         picture
     }
 

@@ -9,10 +9,12 @@
 
 use crate::film::TileFilm;
 use crate::job::Job;
+use crate::mattes::Mattes;
 use crate::options::RenderOptions;
 use crate::sampler::Sampler;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
+use crate::transport::links::LinkedPaths;
 
 /// No tile gets fewer samples, and no pilot is smaller.
 pub(crate) const FEWEST: u32 = 16;
@@ -24,10 +26,12 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
     let most = job.options.spp;
     let options =
         RenderOptions { seed: job.options.seed ^ PILOT, aovs: false, heatmap: false, ..job.options.clone() };
+    let options = RenderOptions { light_layers: Vec::new(), mattes: Mattes::default(), ..options };
     let pilot = Job::new(job.world, job.camera, &options, job.watch);
     let pilot = Sampler { job: &pilot, pass: None };
     let mut tile = TileFilm::new(rect, false, true);
     let mut tracer = BatchTracer::new(job.world, &options, false);
+    tracer.wavefront.linked = job.links.clone().map(LinkedPaths::new);
     let mut taken = FEWEST;
     let needed = loop {
         while tile.samples < taken {
@@ -77,7 +81,7 @@ mod tests {
             let radiance = Vec3s::splat(2, Vec3::splat(f32::from(u8::from(i % 2 == 0)) * 2.0));
             let mut hits = HitBatch::default();
             hits.reset(2);
-            tile.add_sample(&radiance, (&hits, &[]), 0..2);
+            tile.add_sample(&radiance, (&hits, &[], &[]), 0..2);
         }
         let at = needed(&tile, 0.1);
         assert!((100..=102).contains(&at), "1 / 0.1² = {at}");

@@ -2,7 +2,7 @@
 //! Layers of a picture: properties of the camera rays' hits. Names of layers and channels as EXR files
 //! of the field have them. Albedo and normals are means over the samples; position, depths and ids are those
 //! of the first sample, because their means are meaningless. `variance` is that of the colour's mean.
-//! `emission` is the unscattered part of the colour, from lights and environment seen by camera rays, if the
+//! `unscattered` is the unscattered part of the colour, from lights and environment seen by camera rays, if the
 //! integrator provides it (`path`). `background` is the radiance of rays that hit nothing, and the light that
 //! shadow catchers let through. A shadow catcher has the opacity that gives its darkness, with black as its
 //! colour; coloured light from other objects is added [PD84]. Space: world. Depth is the distance from the
@@ -104,7 +104,9 @@ impl TileAovs {
             sum[3] += 1.0;
         };
         let is_veiled = |lane: usize| tracer.veiled.get(lane).copied().unwrap_or(false);
-        let is_missed = |&lane: &usize| camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane);
+        let is_held = |lane: usize| tracer.held.get(lane).copied().unwrap_or(false);
+        let is_missed =
+            |&lane: &usize| is_held(lane) || (camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane));
         for lane in range.clone().filter(is_missed) {
             add(&mut self.missed[lane - first], radiance.get(lane));
         }

@@ -3,6 +3,7 @@
 
 use gnurt_scene::nesting::NestingError;
 
+use crate::expressions::ExpressionError;
 use crate::piece::Piece;
 
 /// A description that cannot become a world. All are mistakes of the caller.
@@ -109,6 +110,18 @@ pub enum RenderError {
         "interleaved pixels read their neighbours, which are in other pieces; render without one of the two"
     )]
     InterleavedPiece,
+    /// Layers of light of an integrator that cannot divide its light.
+    #[error(
+        "layers of light, light groups and light path expressions are unsupported with the integrator {integrator}: \
+         choose path"
+    )]
+    LayersOfLight {
+        /// Its name.
+        integrator: &'static str,
+    },
+    /// A light path expression that cannot be used.
+    #[error(transparent)]
+    Expression(ExpressionError),
     /// A pixel that the picture does not have.
     #[error("pixel {x},{y} is outside of the picture of {width}x{height} pixels")]
     NoSuchPixel {

@@ -11,6 +11,8 @@ use gnurt_accel::{HitBatch, INVALID_ID};
 use gnurt_shading::Vec3s;
 
 use crate::aov::TileAovs;
+use crate::expressions::LightSums;
+use crate::mattes::TileMattes;
 use crate::options::RenderOptions;
 use crate::piece::Piece;
 use crate::state::{SavedState, put_f64, put_u32};
@@ -29,6 +31,10 @@ pub(crate) struct TileFilm {
     pub(crate) samples: u32,
     /// Other layers, if requested.
     pub(crate) aovs: Option<TileAovs>,
+    /// Layers of light, if requested.
+    pub(crate) light: LightSums,
+    /// Mattes, if requested.
+    pub(crate) mattes: TileMattes,
     /// Cost per pixel so far, if requested.
     pub(crate) costs: Vec<u64>,
     /// Squares of red, green and blue, summed over samples; empty if the variance is not requested.
@@ -72,6 +78,8 @@ impl TileFilm {
         Self::rects(region, options)
             .map(|rect| {
                 let mut tile = Self::new(rect, options.aovs, options.aovs);
+                tile.light = LightSums::new(options.light_layers.len(), tile.first.len());
+                tile.mattes = TileMattes::new(&options.mattes, tile.first.len());
                 if options.heatmap {
                     tile.costs = vec![0; tile.first.len()];
                 }
@@ -85,7 +93,8 @@ impl TileFilm {
         let first = vec![[0.0; 4]; pixels];
         let squares = if squares { vec![[0.0; 3]; pixels] } else { Vec::new() };
         let aovs = aovs.then(|| TileAovs::new(pixels));
-        Self { rect, first, sums: Vec::new(), samples: 0, aovs, costs: Vec::new(), squares, target: 0 }
+        let (sums, costs, light, mattes) = Default::default();
+        Self { rect, first, sums, samples: 0, aovs, light, mattes, costs, squares, target: 0 }
     }
 
     /// Drops all samples; keeps the memory. The first sample will overwrite the old one.
@@ -93,6 +102,8 @@ impl TileFilm {
         self.sums.clear();
         (self.samples, self.target) = (0, 0);
         self.costs.fill(0);
+        self.light.clear();
+        self.mattes.clear();
         if let Some(aovs) = &mut self.aovs {
             *aovs = TileAovs::new(self.first.len());
         }
@@ -104,11 +115,11 @@ impl TileFilm {
         blocks(self.rect).flat_map(rows)
     }
 
-    /// Adds one sample, that of `lanes`, to each pixel; media count as opaque in `veiled` lanes; returns how many of them were no numbers, and count as black.
+    /// Adds one sample, that of `lanes`, to each pixel; media count as opaque in `veiled` lanes, and nothing does in `held` ones; returns how many of them were no numbers, and count as black.
     pub(crate) fn add_sample(
         &mut self,
         radiance: &Vec3s,
-        (hits, veiled): (&HitBatch, &[bool]),
+        (hits, veiled, held): (&HitBatch, &[bool], &[bool]),
         lanes: Range<usize>,
     ) -> u64 {
         let mut bad = 0;
@@ -118,7 +129,9 @@ impl TileFilm {
             let good = Vec3::new(x, y, z).is_finite();
             bad += u64::from(!good);
             let is_veiled = veiled.get(lane).copied().unwrap_or(false);
-            let opacity = f32::from(u8::from(is_veiled || hits.prim_id[lane] != INVALID_ID));
+            let is_held = held.get(lane).copied().unwrap_or(false);
+            let covers = !is_held && (is_veiled || hits.prim_id[lane] != INVALID_ID);
+            let opacity = f32::from(u8::from(covers));
             // Negative zeros become positive, as in sums.
             if good { [x + 0.0, y + 0.0, z + 0.0, opacity] } else { [0.0, 0.0, 0.0, opacity] }
         });
@@ -231,6 +244,8 @@ impl SavedState for TileFilm {
         if let Some(aovs) = &mut self.aovs {
             aovs.state(with);
         }
+        self.light.state(with);
+        self.mattes.state(with);
     }
 }
 

@@ -16,9 +16,11 @@ use gnurt_simd::dispatch_wide;
 
 use crate::camera_batch::CameraBatch;
 use crate::cone::Cone;
+use crate::expressions::LightPaths;
 use crate::many_lights::Common;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
+use crate::transport::links::LightLinks;
 use crate::world::World;
 
 /// State that all tiles of a rendering share.
@@ -44,6 +46,10 @@ pub(crate) struct Job<'a> {
     centres: OnceLock<[Vec<f32>; 2]>,
     /// State of virtual lights that all passes share.
     pub(crate) common: Arc<Common>,
+    /// What paths are compared with, if layers of light are requested.
+    pub(crate) light_paths: Option<Arc<LightPaths>>,
+    /// Lights that do not reach everything, if there are any.
+    pub(crate) links: Option<Arc<LightLinks>>,
 }
 
 impl<'a> Job<'a> {
@@ -55,6 +61,9 @@ impl<'a> Job<'a> {
         watch: &'a dyn Watch,
     ) -> Self {
         let [eye, forward] = middle(camera, options);
+        // Options were checked; labels of a world that are too much for an automaton leave layers black.
+        let layers = Some(&options.light_layers).filter(|layers| !layers.is_empty());
+        let light_paths = layers.and_then(|layers| LightPaths::new(world, layers).ok().map(Arc::new));
         Self {
             world,
             camera,
@@ -70,6 +79,8 @@ impl<'a> Job<'a> {
             cone: Cone::of(camera, options),
             centres: OnceLock::new(),
             common: Arc::default(),
+            light_paths,
+            links: LightLinks::new(world).map(Arc::new),
         }
     }
 

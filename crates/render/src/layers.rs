@@ -6,6 +6,7 @@ use gnurt_accel::INVALID_ID;
 use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
 
 use crate::aov::{FirstHit, TileAovs};
+use crate::expressions::LightLayer;
 use crate::film::TileFilm;
 
 /// One plane of a picture of this width and number of pixels, gathered from the tiles.
@@ -22,6 +23,24 @@ fn gathered<T: Copy>(
         }
     }
     plane
+}
+
+/// Adds the layers of light of all tiles to the picture.
+pub(crate) fn add_light(picture: &mut Picture, tiles: &[TileFilm], layers: &[LightLayer]) {
+    let (width, pixels) = (picture.width as usize, picture.pixel_count());
+    for (number, layer) in layers.iter().enumerate() {
+        let mut planes = [(); 3].map(|()| vec![0.0; pixels]);
+        for tile in tiles {
+            let scale = 1.0 / f64::from(tile.samples.max(1));
+            for (i, [x, y]) in tile.pixels().enumerate() {
+                let sum = tile.light.get(number, i);
+                let at = y as usize * width + x as usize;
+                (0..3).for_each(|k| planes[k][at] = (sum[k] * scale) as f32);
+            }
+        }
+        let [r, g, b] = planes;
+        picture.layers.push(Layer::floats(&layer.name, [("R", r), ("G", g), ("B", b)]));
+    }
 }
 
 /// Adds the layers of all tiles to the picture. The visible background is not opaque.
@@ -54,7 +73,7 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
         Layer::floats(BACKGROUND, [("R", r), ("G", g), ("B", b), ("A", a)]),
         Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
         Layer::floats("variance", [("R", variance(0)), ("G", variance(1)), ("B", variance(2))]),
-        Layer::floats("emission", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]),
+        Layer::floats("unscattered", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]),
         Layer::floats("N", [("X", normal(0)), ("Y", normal(1)), ("Z", normal(2))]),
         Layer::floats("P", [("X", position(0)), ("Y", position(1)), ("Z", position(2))]),
         Layer::floats("depth", [("Z", depth)]),

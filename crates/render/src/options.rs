@@ -11,6 +11,8 @@ pub use gnurt_image::FilterShape as ReconstructionFilter;
 use gnurt_simd::Level;
 
 use crate::error::RenderError;
+use crate::expressions::{self, LightLayer};
+use crate::mattes::Mattes;
 use crate::piece::Piece;
 
 /// How radiance is computed along a camera ray.
@@ -148,6 +150,10 @@ pub struct RenderOptions {
     pub noise: Option<f32>,
     /// Add layers: albedo, variance, normal, position, depth, ids.
     pub aovs: bool,
+    /// Add layers of light; only for `Path`.
+    pub light_layers: Vec<LightLayer>,
+    /// Add Cryptomatte's layers.
+    pub mattes: Mattes,
     /// Make a picture of the cost per pixel.
     pub heatmap: bool,
     /// Render only the tiles of this piece. Not for interleaved pixels, which read their neighbours. `None` =
@@ -177,6 +183,8 @@ impl Default for RenderOptions {
             time_limit: None,
             noise: None,
             aovs: false,
+            light_layers: Vec::new(),
+            mattes: Mattes::default(),
             heatmap: false,
             piece: None,
         }
@@ -207,6 +215,12 @@ impl RenderOptions {
         let clipped = [x0, y0, x1.min(self.width), y1.min(self.height)];
         if clipped[0] >= clipped[2] || clipped[1] >= clipped[3] {
             return Err(RenderError::EmptyCrop { crop: [x0, y0, x1, y1] });
+        }
+        if !self.light_layers.is_empty() {
+            if self.integrator != Integrator::Path {
+                return Err(RenderError::LayersOfLight { integrator: self.integrator.name() });
+            }
+            expressions::check(&self.light_layers).map_err(RenderError::Expression)?;
         }
         if let Some(piece) = self.piece {
             if piece.index >= piece.count {

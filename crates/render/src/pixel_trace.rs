@@ -18,6 +18,7 @@ use crate::options::RenderOptions;
 use crate::pixels;
 use crate::progress::Unwatched;
 use crate::tracer::BatchTracer;
+use crate::transport::links::LinkedPaths;
 use crate::world::World;
 
 /// All that happened for one sample of a pixel, in order. Printed by `Display`, one line per value.
@@ -63,6 +64,7 @@ pub fn trace_pixel(
     let pass = many_lights::pass_lights(&job, 0);
     let mut tracer = BatchTracer::new(world, &options, false);
     tracer.lights = pass.as_ref().map(|pass| pass as _);
+    tracer.wavefront.linked = job.links.clone().map(LinkedPaths::new);
     tracer.log = Some(Log::default());
     let mut batch = CameraBatch::default();
     job.camera_rays(std::iter::once([x, y]), 0..1, &mut batch);

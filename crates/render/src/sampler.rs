@@ -12,15 +12,19 @@ use gnurt_shading::Vec3s;
 
 use crate::camera_batch::CameraBatch;
 use crate::cost::TileCosts;
+use crate::expressions::Ledger;
 use crate::film::TileFilm;
+use crate::holdouts;
 use crate::integrators;
 use crate::job::Job;
 use crate::many_lights::interleave::{PatternTexels, Texel};
 use crate::many_lights::{self, PassLights};
+use crate::mattes;
 use crate::options::Integrator;
 use crate::pixels;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
+use crate::transport::links::LinkedPaths;
 
 /// Paths that go together, about: enough to fill lanes when most have ended, few enough for caches.
 const WAVEFRONT: usize = 4096;
@@ -48,6 +52,8 @@ impl<'a> Sampler<'a> {
         let mut tracer = BatchTracer::new(self.job.world, self.job.options, self.job.options.heatmap);
         tracer.cone = self.job.cone;
         tracer.lights = self.pass.map(|pass| pass as _);
+        tracer.wavefront.ledger = self.job.light_paths.clone().map(Ledger::new);
+        tracer.wavefront.linked = self.job.links.clone().map(LinkedPaths::new);
         tracer
     }
 
@@ -65,9 +71,13 @@ impl<'a> Sampler<'a> {
         tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
         let mut radiance = std::mem::take(&mut batch.radiance);
         let camera = batch.met();
+        holdouts::begin(tracer, camera.keys.len());
         integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, &mut radiance);
+        holdouts::hold_out(tracer, camera, &mut radiance);
         // A pixel shader's rays have lanes of their own.
         let veiled = std::mem::take(&mut tracer.veiled);
+        let ledger = tracer.wavefront.ledger.take();
+        let taken = if ledger.is_some() { radiance.clone() } else { Vec3s::default() };
         pixels::show(self.job, self.pass, tracer, &batch, &mut radiance);
         tracer.veiled = veiled;
         for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
@@ -75,8 +85,22 @@ impl<'a> Sampler<'a> {
             if let Some(aovs) = &mut tile.aovs {
                 aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, &radiance);
             }
-            tracer.stats.bad_samples += tile.add_sample(&radiance, (camera.hits, &tracer.veiled), lanes);
+            if !self.job.options.mattes.kinds.is_empty() {
+                mattes::gather(
+                    tracer,
+                    &self.job.options.mattes.kinds,
+                    camera,
+                    lanes.clone(),
+                    &mut tile.mattes,
+                );
+            }
+            if let Some(ledger) = &ledger {
+                tile.light.add(&ledger.layers, &taken, lanes.clone());
+            }
+            let covers = (camera.hits, &tracer.veiled[..], &tracer.held[..]);
+            tracer.stats.bad_samples += tile.add_sample(&radiance, covers, lanes);
         }
+        tracer.wavefront.ledger = ledger;
         tracer.stats.camera_rays += camera.rays.len() as u64;
         tracer.stats.samples += camera.rays.len() as u64;
         batch.radiance = radiance;
@@ -120,14 +144,21 @@ impl<'a> Sampler<'a> {
     ) -> RenderStats {
         let mut radiance = Vec3s::default();
         visible.filtered(tile, &mut radiance);
+        holdouts::begin(tracer, split.batch.keys.len());
+        holdouts::hold_out(tracer, split.batch.met(), &mut radiance);
         pixels::show(self.job, self.pass, tracer, &split.batch, &mut radiance);
         let camera = split.batch.met();
         if let Some(aovs) = &mut tile.aovs {
             aovs.add(tracer, camera, 0..camera.keys.len(), sample, self.job.forward, &radiance);
         }
+        if !self.job.options.mattes.kinds.is_empty() {
+            let kinds = &self.job.options.mattes.kinds;
+            mattes::gather(tracer, kinds, camera, 0..camera.keys.len(), &mut tile.mattes);
+        }
         tile.costs.resize(split.costs.len(), 0);
         tile.costs.iter_mut().zip(&split.costs).for_each(|(sum, cost)| *sum += cost);
-        let bad_samples = tile.add_sample(&radiance, (camera.hits, &tracer.veiled), 0..camera.keys.len());
+        let covers = (camera.hits, &tracer.veiled[..], &tracer.held[..]);
+        let bad_samples = tile.add_sample(&radiance, covers, 0..camera.keys.len());
         let mut stats = tracer.take_stats();
         stats.add(&split.stats);
         stats.bad_samples += bad_samples;

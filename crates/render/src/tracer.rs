@@ -25,7 +25,7 @@ use crate::cost::TileCosts;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
-use crate::transport::{Through, Wavefront};
+use crate::transport::{Blockers, Through, Wavefront};
 use crate::world::{HitLanes, World};
 
 /// Albedo of surfaces that do not return theirs.
@@ -80,6 +80,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) direct: Vec3s,
     /// Lanes of the camera whose light a medium scattered before it met a surface; empty if there are no media.
     pub(crate) veiled: Vec<bool>,
+    /// Lanes of the camera that see a hole; empty if the world has none.
+    pub(crate) held: Vec<bool>,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
     spare: Vec<Group>,
     /// Reused memory of the camera rays.
@@ -133,6 +135,7 @@ impl<'w> BatchTracer<'w> {
             record,
             direct: Vec3s::default(),
             veiled: Vec::new(),
+            held: Vec::new(),
             spare: Vec::new(),
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),
@@ -362,11 +365,12 @@ impl<'w> BatchTracer<'w> {
         self.world.tree().occluded_pencil(&query, rays, &mut self.record)
     }
 
-    /// The transmittance of each ray; `through`: the media that it passes, if there are any.
+    /// The transmittance of each ray; `through`: the media that it passes, if there are any; `blockers`: the instances that
+    /// stop it, if not all do.
     pub(crate) fn passed(
         &mut self,
         request: &RayRequest,
-        through: Option<Through>,
+        (through, blockers): (Option<Through>, Option<Blockers>),
         transmittance: &mut Vec3s,
     ) {
         transmittance.reset(request.rays.len(), Vec3::ONE);
@@ -377,13 +381,14 @@ impl<'w> BatchTracer<'w> {
         let materials = self.world.materials();
         let scatters = self.scatters();
         let all_stop = if scatters { materials.all_solid() } else { materials.all_opaque() };
-        if all_stop {
+        let blockers = blockers.filter(|blockers| blockers.sets.iter().any(|&set| set != 0));
+        if all_stop && blockers.is_none() {
             self.occluded_by_opaque(request, transmittance);
             if let Some(through) = through {
                 self.pass_media(request, through, transmittance);
             }
         } else {
-            self.pass_layers(request, scatters, through, transmittance);
+            self.pass_layers(request, scatters, (through, blockers), transmittance);
         }
         if let Some(log) = &mut self.log {
             log.shadows(&request.rays, transmittance);
@@ -458,7 +463,7 @@ impl Tracer for BatchTracer<'_> {
     }
 
     fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
-        self.passed(request, None, transmittance);
+        self.passed(request, (None, None), transmittance);
     }
 
     fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {

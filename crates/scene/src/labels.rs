@@ -2,9 +2,9 @@
 //! Labels of a scene's parts, from its file: names of lights, moments, the wished picture.
 //! Nothing here changes a picture by itself. Tests: crates/usd/tests/{lights,cameras}.rs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::id::{CameraId, InstanceId, LightId, ObjectId};
+use crate::id::{CameraId, InstanceId, LightId, MaterialId, ObjectId};
 
 /// Facts about a scene's parts.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,10 +19,61 @@ pub struct Labels {
     pub camera: Option<CameraId>,
     /// Columns and rows of the picture that the file wants.
     pub resolution: Option<[u32; 2]>,
+    /// The layers that the file wants in pictures: words, `light:NAME` and `NAME=EXPRESSION` as in `--layers`.
+    pub outputs: Vec<String>,
     /// Objects with a refined mesh, and the control mesh of each.
     pub control_meshes: BTreeMap<ObjectId, ControlMesh>,
     /// Objects whose file names one material for the whole, or none (""), whatever parts of it are made of.
     pub bound_materials: BTreeMap<ObjectId, String>,
+    /// Groups of lights; a group is a layer of its own in pictures that are mixed later.
+    pub light_groups: BTreeMap<Shining, String>,
+    /// Instances that leave a hole in the picture: camera rays see nothing there, other rays see them.
+    pub holdouts: BTreeSet<InstanceId>,
+    /// Lights that do not light everything, or whose light not everything stops.
+    pub light_links: BTreeMap<Shining, LightLinks>,
+}
+
+/// The instances that a light reaches, and those that stop it; `None` = all.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LightLinks {
+    /// Instances that are lit.
+    pub lit: Option<Vec<InstanceId>>,
+    /// Instances that cast shadows.
+    pub shadows: Option<Vec<InstanceId>>,
+}
+
+/// Something that gives off light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Shining {
+    /// A light without a surface.
+    Light(LightId),
+    /// The surfaces of an emissive material.
+    Material(MaterialId),
+    /// The surfaces of an instance; counts before their materials.
+    Instance(InstanceId),
+}
+
+/// Longest name of a light group.
+const LONGEST_GROUP: usize = 100;
+
+impl Labels {
+    /// Puts the light of something into a group. Characters that names of layers cannot have become `_`.
+    pub fn set_light_group(&mut self, shining: Shining, group: &str) {
+        let fine = |c: char| if c.is_alphanumeric() || "_-. ".contains(c) { c } else { '_' };
+        let name: String = group.trim().chars().take(LONGEST_GROUP).map(fine).collect();
+        if !name.is_empty() {
+            self.light_groups.insert(shining, name);
+        }
+    }
+
+    /// The names of all light groups, each once, ascending.
+    #[must_use]
+    pub fn group_names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = self.light_groups.values().map(String::as_str).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
 }
 
 /// A light with a surface.

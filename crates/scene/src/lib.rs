@@ -15,6 +15,7 @@ pub mod io;
 pub mod labels;
 pub mod layer_textures;
 pub mod light;
+pub mod light_links;
 pub mod material;
 pub mod medium;
 pub mod mesh;

@@ -130,3 +130,31 @@ fn splats_are_named() {
     let text = format!("{:?}", loaded.warnings);
     assert!(text.contains("Gaussian splats (KHR_gaussian_splatting)"), "{text}");
 }
+
+#[test]
+fn extras_put_lights_into_groups() {
+    use gnurt_scene::labels::Shining;
+    use gnurt_scene::{InstanceId, LightId, MaterialId};
+
+    let loaded = load(
+        r#""extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"},{"type":"point","extras":{"light_group":"fill"}}]}},
+"materials":[{"extras":{"light_group":"screen/1"}},{"extras":{"light_group":7}},{"extras":"text"}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+"nodes":[{"mesh":0,"extras":{"light_group":"lamp"}},
+{"name":"Key","extensions":{"KHR_lights_punctual":{"light":0}},"extras":{"light_group":"key"}},
+{"extensions":{"KHR_lights_punctual":{"light":1}}}]"#,
+    );
+    let labels = loaded.scene.labels();
+    let group = |shining| labels.light_groups.get(&shining).map(String::as_str);
+    assert_eq!(group(Shining::Light(LightId(0))), Some("key"), "of the node");
+    assert_eq!(group(Shining::Light(LightId(1))), Some("fill"), "of the light");
+    assert_eq!(group(Shining::Instance(InstanceId(0))), Some("lamp"), "of an instance");
+    assert_eq!(group(Shining::Material(MaterialId(0))), Some("screen_1"), "of a material, as a layer's name");
+    assert_eq!(labels.light_groups.len(), 4, "other extras are others'");
+    assert_eq!(labels.lights.get(&LightId(0)).map(String::as_str), Some("Key"), "names");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("t.glb");
+    FORMATS.save(&loaded.scene, &path).expect("it is saved");
+    let again = FORMATS.load(&path, &LoadOptions::default()).expect("its own file");
+    assert_eq!(again.scene.labels().light_groups, labels.light_groups, "written and read");
+}

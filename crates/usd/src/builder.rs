@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use gnurt_scene::io::Oddity;
 use gnurt_scene::io::reader::Cutter;
-use gnurt_scene::labels::Luminaire;
+use gnurt_scene::labels::{Luminaire, Shining};
 use gnurt_scene::{Affine, MaterialId, Member, ObjectId, Scene};
 use openusd::sdf::Path;
 
@@ -35,6 +35,8 @@ pub(crate) struct Builder<'a> {
     pub(crate) root: Affine,
     /// Skeletons by their path.
     pub(crate) skeletons: HashMap<Path, Option<Rc<Skeleton>>>,
+    /// Lights by their prims, whose collections are read when all instances are known.
+    pub(crate) lights: Vec<(Shining, Path)>,
 }
 
 /// The key of a mesh in a prototype: its path there and its materials.

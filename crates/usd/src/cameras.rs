@@ -75,10 +75,46 @@ impl Builder<'_> {
         let index_of = |camera: &Path| self.scene.cameras().iter().position(|c| c.name == camera.as_str());
         let camera = camera.as_ref().and_then(index_of);
         let resolution = reader.value(&settings, "resolution").as_ref().and_then(value::vector::<2>);
+        let outputs = self.outputs(&settings);
         let labels = self.scene.labels_mut();
+        labels.outputs = outputs;
         labels.camera = camera.map(|index| gnurt_scene::CameraId(index as u32));
         labels.resolution =
             resolution.filter(|size| size.iter().all(|&n| n >= 1.0)).map(|size| size.map(|n| n as u32));
+    }
+}
+
+impl Builder<'_> {
+    /// The layers of the products of render settings. Source: UsdRender: RenderVar's `sourceName` and `sourceType`.
+    fn outputs(&self, settings: &Path) -> Vec<String> {
+        let reader = self.reader;
+        let products = reader.targets(settings, "products").into_iter();
+        let variables = products.flat_map(|product| reader.targets(&product, "orderedVars"));
+        let mut outputs = Vec::new();
+        for variable in variables {
+            let source = reader.word(&variable, "sourceName").unwrap_or_default();
+            let kind = reader.word(&variable, "sourceType").unwrap_or_else(|| "raw".into());
+            let name = variable.name().unwrap_or_default().to_owned();
+            let expression = source.strip_prefix("lpe:").unwrap_or(&source);
+            let output = match (&kind[..], &source.to_lowercase()[..]) {
+                ("lpe", _) => Some(format!("{name}={expression}")),
+                // The picture itself.
+                ("raw", "ci" | "color" | "rgb" | "rgba" | "a" | "alpha" | "") => continue,
+                ("raw", "z" | "depth") => Some("depth".into()),
+                ("raw", "n" | "nn" | "normal") => Some("normal".into()),
+                ("raw", "p" | "position") => Some("position".into()),
+                ("raw", "albedo" | "cryptomatte" | "direct" | "indirect" | "emission") => {
+                    Some(source.to_lowercase())
+                }
+                _ => None,
+            };
+            match output {
+                Some(output) if !outputs.contains(&output) => outputs.push(output),
+                Some(_) => {}
+                None => reader.unsupported(&variable, format_args!("the render variable {kind} '{source}'")),
+            }
+        }
+        outputs
     }
 }
 

@@ -6,10 +6,11 @@
 use std::f64::consts::PI;
 
 use gnurt_scene::io::reader::Meaning;
-use gnurt_scene::labels::Luminaire;
+use gnurt_scene::labels::{Luminaire, Shining};
+use gnurt_scene::light_links::LinkKind;
 use gnurt_scene::material::{Color, Material, Surface, TextureRef};
 use gnurt_scene::texture::{Filter, Texture, Wrap};
-use gnurt_scene::{Affine, Light, Mesh, MeshId, TextureId};
+use gnurt_scene::{Affine, InstanceId, Light, LightId, Mesh, MeshId, TextureId};
 use openusd::sdf::{Path, Value};
 
 use crate::builder::{Builder, Placed, State};
@@ -19,6 +20,47 @@ use crate::value;
 
 /// Sides of luminaires: each triangle is a light of its own.
 const BALL: [u32; 2] = [24, 12];
+/// Attributes that put a light into a group.
+const GROUPS: [&str; 4] =
+    ["lightGroup", "ri:light:lightGroup", "inputs:ri:light:lightGroup", "userProperties:lightGroup"];
+
+/// A collection of prims. Source: UsdCollectionAPI: the nearest path above a prim that is listed decides.
+struct Collection {
+    includes: Vec<Path>,
+    excludes: Vec<Path>,
+    /// Whether prims are members that no listed path is above.
+    has_root: bool,
+    /// Whether only the listed prims themselves are members.
+    is_explicit: bool,
+}
+
+impl Collection {
+    /// `None` if it holds everything, as a light's do where nothing is authored.
+    fn of(reader: &Reader, prim: &Path, name: &str) -> Option<Self> {
+        let list = |what: &str| reader.targets(prim, &format!("collection:{name}:{what}"));
+        let rule = reader.word(prim, &format!("collection:{name}:expansionRule"));
+        let made = Self {
+            includes: list("includes"),
+            excludes: list("excludes"),
+            has_root: reader.flag(prim, &format!("collection:{name}:includeRoot")).unwrap_or(true),
+            is_explicit: rule.as_deref() == Some("explicitOnly"),
+        };
+        (!made.has_root || !made.excludes.is_empty()).then_some(made)
+    }
+
+    fn holds(&self, prim: &str) -> bool {
+        let is_above = |path: &&Path| {
+            let path = path.as_str();
+            prim == path
+                || (!self.is_explicit && prim.strip_prefix(path).is_some_and(|rest| rest.starts_with('/')))
+        };
+        let nearest = |list: &[Path]| list.iter().filter(is_above).map(|path| path.as_str().len()).max();
+        match (nearest(&self.includes), nearest(&self.excludes)) {
+            (None, None) => self.has_root && !self.is_explicit,
+            (included, excluded) => included > excluded,
+        }
+    }
+}
 
 impl Reader {
     fn light_number(&self, prim: &Path, name: &str, fallback: f64) -> f64 {
@@ -64,6 +106,32 @@ fn blackbody(kelvin: f64) -> [f64; 3] {
 }
 
 impl Builder<'_> {
+    /// Puts the light of a prim into its group, if it has one.
+    fn put_into_group(&mut self, prim: &Path, shining: Shining) {
+        self.lights.push((shining, prim.clone()));
+        let group = GROUPS.iter().find_map(|name| self.reader.word(prim, name));
+        group.iter().for_each(|group| self.scene.labels_mut().set_light_group(shining, group));
+    }
+
+    /// Links lights to the instances in their collections, once all instances are there.
+    pub(crate) fn link_lights(&mut self) {
+        for (shining, prim) in std::mem::take(&mut self.lights) {
+            for (name, kind) in [("lightLink", LinkKind::Lit), ("shadowLink", LinkKind::Shadows)] {
+                let Some(collection) = Collection::of(self.reader, &prim, name) else { continue };
+                let ids = (0..).map(InstanceId).zip(self.scene.instances());
+                let members = ids.filter(|(_, instance)| collection.holds(&instance.name)).map(|(id, _)| id);
+                let members = members.collect();
+                self.scene.link_light(shining, kind, Some(members));
+            }
+        }
+    }
+
+    /// Names a light without a surface.
+    fn name(&mut self, prim: &Path, light: LightId) {
+        self.scene.labels_mut().lights.insert(light, prim.as_str().to_owned());
+        self.put_into_group(prim, Shining::Light(light));
+    }
+
     /// Adds a light: to the scene, or to `placed` where it has a surface.
     pub(crate) fn light(&mut self, prim: &Path, kind: &str, state: &State, placed: &mut Vec<Placed>) {
         let reader = self.reader;
@@ -122,10 +190,8 @@ impl Builder<'_> {
         {
             reader.unsupported(prim, "inputs:shaping:ies:file");
         }
-        for name in ["collection:lightLink:includes", "collection:shadowLink:includes", "light:filters"] {
-            if !reader.targets(prim, name).is_empty() {
-                reader.unsupported(prim, name);
-            }
+        if !reader.targets(prim, "light:filters").is_empty() {
+            reader.unsupported(prim, "light:filters");
         }
     }
 
@@ -150,7 +216,7 @@ impl Builder<'_> {
         let direction = transform.vector([0.0, 0.0, -1.0]).map(|x| x as f32);
         let irradiance = radiance.map(|x| (x * share) as f32);
         let light = self.scene.add_light(Light::Directional { direction, irradiance });
-        self.scene.labels_mut().lights.insert(light, prim.as_str().to_owned());
+        self.name(prim, light);
     }
 
     /// A light from one point, in a cone where it is shaped.
@@ -183,7 +249,7 @@ impl Builder<'_> {
             Light::Point { position, intensity }
         };
         let light = self.scene.add_light(light);
-        self.scene.labels_mut().lights.insert(light, prim.as_str().to_owned());
+        self.name(prim, light);
     }
 
     fn dome(&mut self, prim: &Path, transform: &Affine) {
@@ -208,7 +274,7 @@ impl Builder<'_> {
             reader.unsupported(prim, "a second dome, it takes the place of the first");
         }
         let light = self.scene.add_light(Light::Environment { radiance, texture, world_from_light });
-        self.scene.labels_mut().lights.insert(light, prim.as_str().to_owned());
+        self.name(prim, light);
     }
 
     fn light_texture(&mut self, prim: &Path, wrap: [Wrap; 2]) -> Option<TextureId> {
@@ -282,6 +348,7 @@ impl Builder<'_> {
         material.emission = radiance.map(|x| x as f32);
         material.emission_texture = texture.map(TextureRef::new);
         let material = self.scene.add_material(material);
+        self.put_into_group(prim, Shining::Material(material));
         let mesh = self.scene.edit_mesh(id);
         mesh.material = material;
         // Flat, as light leaves it.

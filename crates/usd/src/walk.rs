@@ -33,6 +33,7 @@ pub(crate) fn scene(reader: &Reader) -> Result<Scene, Error> {
         prototypes: HashMap::new(),
         root: world_from_stage(reader),
         skeletons: HashMap::new(),
+        lights: Vec::new(),
     };
     let state = State { world_from_parent: builder.root, is_of_purpose: true };
     let mut placed = Vec::new();
@@ -47,6 +48,7 @@ pub(crate) fn scene(reader: &Reader) -> Result<Scene, Error> {
             builder.scene.labels_mut().luminaires.insert(id, luminaire);
         }
     }
+    builder.link_lights();
     builder.settings();
     let code = |field: &str| reader.stage_number(field).unwrap_or(0.0) / reader.rate();
     builder.scene.labels_mut().times = Some(["startTimeCode", "endTimeCode"].map(code));

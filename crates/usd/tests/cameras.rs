@@ -37,3 +37,21 @@ def Scope "Render" {
         "what is wished"
     );
 }
+
+#[test]
+fn render_variables_are_outputs() {
+    let loaded = load(
+        r#"
+def Scope "Render" {
+    def RenderSettings "Settings" { rel products = [</Render/Beauty>] }
+    def RenderProduct "Beauty" { rel orderedVars = [</Render/Color>, </Render/Key>, </Render/Normals>, </Render/Odd>] }
+    def RenderVar "Color" { string sourceName = "Ci" }
+    def RenderVar "Key" { uniform token sourceType = "lpe"  uniform string sourceName = "lpe:C.*<L.'key'>" }
+    def RenderVar "Normals" { string sourceName = "Nn" }
+    def RenderVar "Odd" { uniform token sourceType = "primvar"  string sourceName = "st" }
+}
+"#,
+    );
+    assert_eq!(loaded.scene.labels().outputs, ["Key=C.*<L.'key'>", "normal"]);
+    assert!(warnings(&loaded).contains("primvar 'st'"), "{}", warnings(&loaded));
+}

@@ -96,3 +96,53 @@ fn what_is_not_there_is_named() {
         "{reported}"
     );
 }
+
+#[test]
+fn attributes_put_lights_into_groups() {
+    let loaded = load(
+        r#"
+def RectLight "Key" { token ri:light:lightGroup = "key" }
+def DomeLight "Sky" { string lightGroup = "sky" }
+def DistantLight "Sun" { float inputs:angle = 0 }
+"#,
+    );
+    assert_eq!(loaded.scene.labels().group_names(), ["key", "sky"]);
+    assert_eq!(loaded.scene.labels().light_groups.len(), 2);
+}
+
+#[test]
+fn collections_link_lights() {
+    use gnurt_scene::labels::Shining;
+    use gnurt_scene::{InstanceId, LightId};
+
+    let loaded = load(
+        r#"
+def Xform "Set" { def Cube "A" {} def Cube "B" {} }
+def Cube "C" {}
+def DistantLight "All" { float inputs:angle = 0 }
+def DistantLight "Some" {
+    float inputs:angle = 0
+    uniform bool collection:lightLink:includeRoot = 0
+    rel collection:lightLink:includes = [</Set>]
+    rel collection:lightLink:excludes = [</Set/B>]
+    rel collection:shadowLink:excludes = [</C>]
+}
+def RectLight "Rect" {
+    uniform bool collection:lightLink:includeRoot = 0
+    rel collection:lightLink:includes = [</C>]
+}
+"#,
+    );
+    assert_eq!(warnings(&loaded), "");
+    let scene = &loaded.scene;
+    let links = &scene.labels().light_links;
+    assert_eq!(links.len(), 2, "others light everything: {links:?}");
+    let names = |ids: &Option<Vec<InstanceId>>| -> Vec<String> {
+        ids.iter().flatten().map(|&id| scene.instance(id).name.clone()).collect()
+    };
+    let some = &links[&Shining::Light(LightId(1))];
+    assert_eq!(names(&some.lit), ["/Set/A"]);
+    assert_eq!(names(&some.shadows), ["/Set/A", "/Set/B", "/Rect"], "all but one");
+    let rect = links.iter().find(|(shining, _)| matches!(shining, Shining::Material(_))).expect("a surface");
+    assert_eq!(names(&rect.1.lit), ["/C"]);
+}

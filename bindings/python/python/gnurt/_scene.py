@@ -198,6 +198,10 @@ class Scene(_Scene):
         self._put_light_shader(light, {"shader": shader, "parameters": parameters, "textures": textures})
         _warn(self._progress())
 
+    def set(self, change):
+        """Changes a value by text, as the program's --set does: "lights.0.group=key", "materials.gold.roughness=0.3"."""
+        self._set(change)
+
     def add_camera(self, camera):
         """The number of a new camera."""
         return self._add_camera(camera._arguments())
@@ -214,7 +218,9 @@ class Scene(_Scene):
 
     def render(self, width=640, height=480, *, progress=None, **options):
         """A picture. Options are those of the program: spp, integrator, camera, at, animation, seed, max_depth, vpls, clamp, noise,
-        crop, filter, time, denoise, layers, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
+        crop, filter, time, denoise, layers, light_groups, crypto_depth, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
+        layers=True adds the layers of surfaces; a list such as ["normal", "direct", "key=C.*<L.'key'>", "cryptomatte"] chooses, as --layers does.
+        light_groups=True adds a layer for each light group, which `Picture.relight` mixes.
         camera_shader=FILE or source text in the shading language, with camera_parameters={name: value}, makes the rays where the
         camera stands; pixel_shader and pixel_parameters compute pixels.
         motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at times evenly spaced.

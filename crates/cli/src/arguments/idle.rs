@@ -49,6 +49,12 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
             }
             of_file(&arguments.output, &mut tell);
         }
+        Command::Relight(arguments) => {
+            if keeps_light(&arguments.output) {
+                tell(&LOOK, KEEPS_LIGHT);
+            }
+            of_file(&arguments.output, &mut tell);
+        }
         Command::Convert(arguments) if gnurt::FORMATS.of(&arguments.output).is_ok() => {
             tell(&LOOK, "on scenes");
             tell(&STORED, "on scenes");

@@ -11,6 +11,7 @@ mod help;
 mod idle;
 mod join;
 mod refusal;
+mod relight;
 mod render;
 mod times;
 pub(crate) mod value;
@@ -35,6 +36,7 @@ use help::with_formats;
 pub(crate) use idle::without_effect;
 pub(crate) use join::JoinArguments;
 pub(crate) use refusal::{Refusal, explain};
+pub(crate) use relight::RelightArguments;
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use times::TimeArguments;
 pub(crate) use value::{ExposureChoice, Pixel, Resolution, ShaderChoice};
@@ -91,6 +93,9 @@ pub(crate) enum Command {
     /// Take the noise out of an EXR picture, or of a film's frames together
     #[command(args_override_self = true)]
     Denoise(Box<DenoiseArguments>),
+    /// Mix the light groups of an EXR picture, or of a film's frames, with other strengths and colours
+    #[command(args_override_self = true)]
+    Relight(Box<RelightArguments>),
     /// Fly through a scene in a window
     #[command(
         args_override_self = true,
@@ -139,6 +144,7 @@ impl Command {
             Self::Render(arguments) => &arguments.verbosity_arguments,
             Self::Join(arguments) => &arguments.verbosity_arguments,
             Self::Denoise(arguments) => &arguments.verbosity_arguments,
+            Self::Relight(arguments) => &arguments.verbosity_arguments,
             Self::View(arguments) => &arguments.verbosity_arguments,
             Self::Info(arguments) => &arguments.verbosity_arguments,
             Self::Diff(arguments) => &arguments.verbosity_arguments,
@@ -160,7 +166,7 @@ impl Command {
             Self::Info(arguments) => Some(&arguments.machine),
             Self::Trace(arguments) => Some(&arguments.machine),
             Self::Bench(arguments) => arguments.command.machine(),
-            Self::Diff(_) | Self::Convert(_) | Self::Scenes(_) | Self::Manuals(_) => None,
+            Self::Relight(_) | Self::Diff(_) | Self::Convert(_) | Self::Scenes(_) | Self::Manuals(_) => None,
         }
     }
 }

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use gnurt::layers::LayerList;
 use gnurt::render::Piece;
 use gnurt_view::TevAddress;
 
-use super::value::{self, Crop, LayerList};
+use super::value::{self, Crop};
 use super::{
     DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
     TimeArguments, TreeArguments, VerbosityArguments, ViewArguments,
@@ -32,9 +33,15 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) heatmap: Option<PathBuf>,
-    /// Layers of an EXR: all, none, or some of albedo, background, depth, emission, ids, motion (of --frames), normal, position, variance between commas; denoise = all that a denoiser needs [default: all]
-    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true, conflicts_with = "piece")]
+    /// Layers of an EXR between commas: all, none, denoise, normal and others of surfaces, direct and others of light, cryptomatte, light:NAME, NAME=EXPRESSION (a light path expression); a wrong word lists all [default: all of surfaces]
+    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true)]
     pub(crate) layers: Option<LayerList>,
+    /// Things per pixel in the layers of Cryptomatte, 2 to 32
+    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=32), allow_hyphen_values = true, default_value = "6")]
+    pub(crate) crypto_depth: u32,
+    /// Add a layer to an EXR for each light group, and one for all other light; `gnurt relight` mixes them
+    #[arg(help_heading = "Picture", hide_short_help = true, long)]
+    pub(crate) light_groups: bool,
     /// Leave the background out of a PNG, which becomes transparent there; an EXR has it as a layer of its own anyway
     #[arg(help_heading = "Picture", hide_short_help = true, long, conflicts_with = "piece")]
     pub(crate) transparent: bool,

@@ -101,8 +101,8 @@ pub(crate) struct FrameArguments {
     /// Search a folder for files that shaders include, after their own folders; repeatable
     #[arg(help_heading = "Look", hide_short_help = true, long, value_name = "DIR", action = clap::ArgAction::Append)]
     pub(crate) include: Vec<PathBuf>,
-    /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2
-    /// or instances.NAME.visible=false; one number keeps a light's colour; repeatable
+    /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2,
+    /// lights.0.group=key, lights.0.link=chair,table or instances.NAME.visible=false; one number keeps a light's colour; repeatable
     #[arg(
         help_heading = "Look", hide_short_help = true,
         long,
@@ -279,6 +279,11 @@ pub(crate) struct PictureFileArguments {
 }
 
 impl PictureFileArguments {
+    /// Stores an EXR's colours with 32 bits, unless other ones were requested.
+    pub(crate) fn exact(&mut self) {
+        self.bits.get_or_insert(32);
+    }
+
     /// These choices, and the defaults of the rest.
     pub(crate) fn options(self) -> WriteOptions {
         let default = WriteOptions::default();

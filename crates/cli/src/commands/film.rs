@@ -113,7 +113,7 @@ fn write(
     let mut frame = Frame { picture, heatmap, stats };
     plan.targets = targets;
     plan.filter.iter().for_each(|filter| filter.report(&used, &mut frame.picture, messages));
-    appear(&mut frame.picture, arguments, plan, &options);
+    appear(&mut frame.picture, (arguments, plan), ready, &options);
     save(&frame, &plan.targets, ready, arguments, &options, messages)?;
     report(arguments, begin, plan, ready, &options, &frame, messages)
 }

@@ -10,10 +10,12 @@ use std::time::{Duration, Instant};
 use gnurt::denoise::{self, denoise};
 use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::Picture;
+use gnurt::layers::LayerList;
+use gnurt::mattes;
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
-    Accumulation, CommitOptions, CommitReport, Frame, Piece, RenderOptions, RenderStats, ShaderTable, World,
-    fingerprint, render_on,
+    Accumulation, CommitOptions, CommitReport, Frame, Integrator, Mattes, Piece, RenderOptions, RenderStats,
+    ShaderTable, World, fingerprint, render_on,
 };
 use gnurt::scene::Scene;
 use gnurt::scene::animation::Exposure;
@@ -87,6 +89,10 @@ pub(super) struct Ready {
     /// The fingerprint of the picture, if it is needed.
     pub(super) print: u64,
     pub(super) load_time: Duration,
+    /// The layers that are kept; `None` = all.
+    pub(super) list: Option<LayerList>,
+    /// The scene, for the names of its mattes.
+    pub(super) named: Option<Scene>,
     /// Curve and exposure of all frames; `None` = as given, or else chosen from the picture.
     pub(super) light: Option<LightArguments>,
 }
@@ -117,7 +123,7 @@ pub(super) fn make(
     if options.piece.is_none() {
         take_noise_out(&mut frame, plan, pool, messages)?;
     }
-    appear(&mut frame.picture, arguments, plan, options);
+    appear(&mut frame.picture, (arguments, plan), ready, options);
     label(&mut frame.picture, &frame.stats, plan, ready, options);
     save(&frame, &plan.targets, ready, arguments, options, messages)?;
     report(arguments, begin, plan, ready, options, &frame, messages)
@@ -210,6 +216,9 @@ pub(super) fn label(
     options: &RenderOptions,
 ) {
     describe(picture, options);
+    if let Some(scene) = &ready.named {
+        mattes::describe(picture, scene);
+    }
     if plan.targets.picture.has_layers() {
         let aspect = options.width as f32 / options.height as f32;
         describe_making(picture, &ready.chosen.camera, aspect, stats);
@@ -219,12 +228,14 @@ pub(super) fn label(
 /// Appearance of its file.
 pub(super) fn appear(
     picture: &mut Picture,
-    arguments: &RenderArguments,
-    plan: &Plan,
+    (arguments, plan): (&RenderArguments, &Plan),
+    ready: &Ready,
     options: &RenderOptions,
 ) {
-    if let Some(layers) = arguments.layers.as_ref().filter(|_| plan.targets.picture.has_layers()) {
-        layers.apply(picture);
+    // Pieces have all layers; the list is applied to their picture.
+    let chooses = plan.targets.picture.has_layers() && options.piece.is_none();
+    if let Some(layers) = ready.list.as_ref().filter(|_| chooses) {
+        layers.apply(picture, &options.light_layers);
     }
     if arguments.transparent && !plan.targets.picture.has_layers() {
         picture.drop_background();
@@ -297,10 +308,20 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
             picture.path().display()
         )));
     }
-    if arguments.layers.is_some() && !picture.has_layers() {
+    let needs_layers = [("--layers", arguments.layers.is_some()), ("--light-groups", arguments.light_groups)];
+    if let Some((option, _)) = needs_layers.into_iter().find(|&(_, given)| given && !picture.has_layers()) {
         return Err(Failure::usage(format_args!(
-            "--layers: {} has no layers; give an .exr",
+            "{option}: {} has no layers; give an .exr",
             picture.path().display()
+        )));
+    }
+    let integrator = arguments.frame.integrator;
+    let divides_light =
+        arguments.light_groups || arguments.layers.as_ref().is_some_and(|layers| !layers.light.is_empty());
+    if divides_light && integrator != Integrator::Path {
+        let option = if arguments.light_groups { "--light-groups" } else { "--layers" };
+        return Err(Failure::usage(format_args!(
+            "{option}: layers of light are unsupported with --integrator {integrator}; give --integrator path"
         )));
     }
     if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {
@@ -442,6 +463,11 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
         aovs: plan.targets.picture.has_layers() || plan.filter.is_some() || arguments.transparent,
         heatmap: plan.targets.heatmap.is_some(),
         piece: arguments.piece,
+        light_layers: arguments.layers.iter().flat_map(|layers| layers.light.clone()).collect(),
+        mattes: Mattes {
+            kinds: arguments.layers.iter().flat_map(|layers| layers.mattes.clone()).collect(),
+            depth: arguments.crypto_depth,
+        },
         ..frame_options(&arguments.frame, level)
     }
 }
@@ -500,9 +526,16 @@ pub(super) fn save(
     messages: Messages,
 ) -> Outcome {
     let known = ready.chosen.exposure_of(arguments.frame.integrator);
-    let light = ready.light.unwrap_or(arguments.light).suited(known);
+    let mut light = ready.light.unwrap_or(arguments.light).suited(known);
+    if !options.light_layers.is_empty() {
+        // Parts have 32 bits, and so has their sum.
+        light.file.exact();
+    }
     match options.piece {
-        Some(piece) => pieces::save(frame, piece, ready.print, light, options, &targets.picture)?,
+        Some(piece) => {
+            let layers = ready.list.as_ref().map(|layers| &layers.text[..]);
+            pieces::save(frame, piece, (ready.print, layers), light, options, &targets.picture)?;
+        }
         None => targets.picture.write_with(&frame.picture, light, messages)?,
     }
     let wrote = format!("wrote {}", targets.picture.path().display());

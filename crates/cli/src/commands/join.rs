@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use gnurt::denoise::{self, denoise};
 use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::{self, Opacity, Picture};
+use gnurt::mattes;
 use gnurt::memory::check_memory;
 use gnurt::render::{Piece, empty_picture, pack_piece, rendered_rects, unpack_piece};
 
@@ -53,7 +54,10 @@ pub(crate) fn run(arguments: &JoinArguments, environment: &Environment, messages
     whole.check_all_there()?;
     let used = whole.take_noise_out(arguments, &output, environment, messages)?;
     let picture = whole.finished(&output, used);
-    let light = arguments.light.suited(whole.header.exposure);
+    let mut light = arguments.light.suited(whole.header.exposure);
+    if !whole.header.light_layers.is_empty() {
+        light.file.exact();
+    }
     output.write_with(&picture, light, messages)?;
     messages.detail(format_args!("wrote {} from {} pieces", output.path().display(), whole.files.len()));
     Ok(())
@@ -128,6 +132,7 @@ impl Whole {
         if !unpack_piece(&mut self.picture, &packed, &rects) {
             return Err(bad());
         }
+        mattes::merge(&mut self.picture, &packed);
         let number = |name: &str| packed.metadata(name).and_then(|text| text.parse::<f64>().ok());
         self.spp_max = self.spp_max.max(number("samplesPerPixel").unwrap_or(0.0) as u32);
         self.seconds += number("renderTimeSeconds").unwrap_or(0.0);
@@ -187,7 +192,11 @@ impl Whole {
         if let Some(name) = denoiser {
             picture.set_metadata("denoiser", name);
         }
+        if let Some(layers) = self.header.layers.as_ref().filter(|_| output.has_layers()) {
+            layers.apply(&mut picture, &self.header.light_layers);
+        }
         if !output.has_layers() {
+            picture.metadata.retain(|(name, _)| !mattes::is_metadata(name));
             if !is_clean {
                 (picture.layers, picture.opacity) = (Vec::new(), Opacity::Straight);
             }

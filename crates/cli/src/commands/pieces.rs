@@ -5,7 +5,10 @@
 //! read neighbouring pixels or set the appearance. Tests: `tests/program/pieces.rs`.
 
 use gnurt::image::Picture;
-use gnurt::render::{Frame, Integrator, Piece, RenderOptions, pack_piece, rendered_rects};
+use gnurt::layers::LayerList;
+use gnurt::render::{
+    Frame, Integrator, LightLayer, Mattes, Piece, RenderOptions, pack_piece, rendered_rects,
+};
 
 use crate::arguments::{ExposureChoice, LightArguments, RenderArguments};
 use crate::failure::{Failure, Outcome};
@@ -17,6 +20,9 @@ const FRAME: &str = "gnurtFrame";
 const CROP: &str = "gnurtCrop";
 const SAMPLES: &str = "gnurtSamples";
 const EXPOSURE: &str = "gnurtExposure";
+const LAYERS: &str = "gnurtLayers";
+const LIGHT_LAYERS: &str = "gnurtLightLayers";
+const DEPTH: &str = "gnurtCryptoDepth";
 
 /// The header of a piece's file.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +38,11 @@ pub(super) struct Header {
     pub(super) integrator: Integrator,
     /// Stops, where they do not depend on the picture.
     pub(super) exposure: Option<f32>,
+    /// The requested list of layers.
+    pub(super) layers: Option<LayerList>,
+    /// Layers of light, those of groups as well.
+    pub(super) light_layers: Vec<LightLayer>,
+    pub(super) mattes: Mattes,
 }
 
 /// Rejects options that exclude a piece.
@@ -63,11 +74,11 @@ pub(super) fn check(arguments: &RenderArguments) -> Outcome {
 }
 
 /// Writes a piece of the frame; `light` is the known curve and exposure, `print` the fingerprint of the
-/// picture.
+/// picture, `layers` the requested list of layers.
 pub(super) fn save(
     frame: &Frame,
     piece: Piece,
-    print: u64,
+    (print, layers): (u64, Option<&str>),
     light: LightArguments,
     options: &RenderOptions,
     output: &Output,
@@ -85,6 +96,15 @@ pub(super) fn save(
     packed.set_metadata(SAMPLES, options.spp.to_string());
     if let Some([x0, y0, x1, y1]) = options.crop {
         packed.set_metadata(CROP, format!("{x0},{y0},{x1},{y1}"));
+    }
+    if let Some(layers) = layers {
+        packed.set_metadata(LAYERS, layers);
+        packed.set_metadata(DEPTH, options.mattes.depth.to_string());
+    }
+    if !options.light_layers.is_empty() {
+        let line = |layer: &LightLayer| format!("{}={}", layer.name, layer.expression);
+        let lines: Vec<String> = options.light_layers.iter().map(line).collect();
+        packed.set_metadata(LIGHT_LAYERS, lines.join("\n"));
     }
     if let ExposureChoice::Stops(stops) = light.exposure {
         packed.set_metadata(EXPOSURE, stops.to_string());
@@ -104,6 +124,16 @@ impl Header {
             Some(text) => Some(Some(read(text)?)),
         };
         let crop = optional(CROP, &|text| numbers(text, ','))?;
+        let layers = text(LAYERS).map(crate::arguments::value::layers).transpose().ok()?;
+        let kinds = layers.as_ref().map_or_else(Vec::new, |layers| layers.mattes.clone());
+        let depth = text(DEPTH).map_or(Some(Mattes::DEPTH), |depth| {
+            depth.parse().ok().filter(|&depth| depth <= Mattes::DEEPEST)
+        });
+        let light_layer = |line: &str| {
+            let (name, expression) = line.split_once('=')?;
+            LightLayer::new(name, expression).ok()
+        };
+        let light_layers = text(LIGHT_LAYERS).unwrap_or_default().lines().map(light_layer);
         let exposure =
             text(EXPOSURE).map(|stops| stops.parse::<f32>().ok().filter(|stops| stops.is_finite()));
         Some(Self {
@@ -113,6 +143,9 @@ impl Header {
             crop: crop.map(<[u32; 4]>::try_from).transpose().ok()?,
             spp: text(SAMPLES)?.parse().ok()?,
             integrator: text("integrator")?.parse().ok()?,
+            layers,
+            light_layers: light_layers.collect::<Option<_>>()?,
+            mattes: Mattes { kinds, depth: depth? },
             exposure: match exposure {
                 Some(None) => return None,
                 Some(stops) => stops,
@@ -132,6 +165,8 @@ impl Header {
             integrator: self.integrator,
             piece: Some(self.piece),
             aovs: true,
+            light_layers: self.light_layers.clone(),
+            mattes: self.mattes.clone(),
             ..RenderOptions::default()
         }
     }

@@ -8,7 +8,7 @@ use gnurt::ThreadPool;
 use gnurt::render::RenderOptions;
 
 use super::frame::{Plan, Ready, check, commit, commit_options, identify, make, options};
-use super::times;
+use super::{light_layers, times};
 use crate::arguments::RenderArguments;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     let outcome = if arguments.times.is_given() {
         times::run(arguments, plan, &options, &pool, messages)
     } else {
-        let ready = prepare(arguments, &plan, &options, &pool, messages)?;
+        let (ready, options) = prepare(arguments, &plan, &options, &pool, messages)?;
         make(arguments, begin, &plan, &ready, &options, &pool, messages)
     };
     source.warn_lost(messages);
@@ -44,7 +44,7 @@ fn prepare(
     options: &RenderOptions,
     pool: &ThreadPool,
     messages: Messages,
-) -> Result<Ready, Failure> {
+) -> Result<(Ready, RenderOptions), Failure> {
     let begin = Instant::now();
     let (mut scene, files) = plan.source.load_with_files(messages)?;
     plan.targets.spare(files, arguments)?;
@@ -58,8 +58,10 @@ fn prepare(
     let load_time = begin.elapsed();
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
-    let (print, checkpoint) = identify(arguments, &scene, &chosen, &(), options);
-    Ok(Ready {
+    let (options, list) = light_layers::complete(options, arguments, &scene, messages);
+    light_layers::check(&world, &scene, &options)?;
+    let (print, checkpoint) = identify(arguments, &scene, &chosen, &(), &options);
+    let ready = Ready {
         world,
         report,
         chosen,
@@ -69,6 +71,9 @@ fn prepare(
         checkpoint,
         print,
         load_time,
+        list,
+        named: (!options.mattes.kinds.is_empty()).then(|| scene.clone()),
         light: None,
-    })
+    };
+    Ok((ready, options))
 }

@@ -16,6 +16,7 @@ use gnurt::{FramePose, ThreadPool};
 
 use super::film::{Filtered, Shared};
 use super::frame::{Plan, Poses, Ready, Targets, commit_into, commit_options, identify, make};
+use super::light_layers;
 use crate::arguments::value::FrameRange;
 use crate::arguments::{ExposureChoice, LightArguments, RenderArguments, TimeArguments};
 use crate::clips::clip;
@@ -340,6 +341,8 @@ impl Studio<'_> {
             checkpoint: None,
             print: 0,
             load_time,
+            list: None,
+            named: None,
             light: Some(light),
         }
     }
@@ -382,8 +385,12 @@ impl Studio<'_> {
         let closes = self.arguments.times.closes(frame.seconds);
         let keys = ready.motion.as_ref().map(|motion| &motion.keys);
         let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
-        let options = RenderOptions { seed: self.seed(frame.number), ..self.options.clone() };
+        let (options, list) = light_layers::complete(self.options, self.arguments, scene, messages);
+        ready.list = list;
+        light_layers::check(&ready.world, scene, &options)?;
+        let options = RenderOptions { seed: self.seed(frame.number), ..options };
         (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, &options);
+        ready.named = (!options.mattes.kinds.is_empty()).then(|| scene.clone());
         plan.targets = frame.targets;
         match (film, self.arguments.times.frames) {
             (Some(film), Some(range)) => {

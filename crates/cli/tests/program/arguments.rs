@@ -35,7 +35,7 @@ fn commands_and_their_words() {
         (
             "draw ok.obj",
             2,
-            "valid are: render, join, denoise, view, info, diff, convert, trace, bench, scenes, help",
+            "valid are: render, join, denoise, relight, view, info, diff, convert, trace, bench, scenes, help",
         ),
         ("--frobnicate", 2, "unknown option '--frobnicate'"),
         ("help nonsense", 2, "nonsense"),

@@ -26,13 +26,16 @@ mod info;
 mod interface;
 mod interrupts;
 mod layers;
+mod light_layers;
 mod manuals;
+mod mattes;
 #[cfg(target_os = "linux")]
 mod out_of_core;
 mod output;
 mod overrides;
 mod pieces;
 mod recoverable;
+mod relight;
 mod samples;
 #[cfg(target_os = "linux")]
 mod scripts;

@@ -14,16 +14,18 @@ use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::left_after;
+use gnurt_shading::lights::LightId;
 use gnurt_shading::{SampleKey, Vec3s};
 use gnurt_simd::dispatch_wide;
 
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::transport::absorption::absorb;
+use crate::transport::links::LinkedPaths;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
-    Known, LightQuery, Offer, Path, Wavefront, add, media, panes, power_heuristic, query_plugin_lights,
-    shadow_ray,
+    Blockers, Known, LightQuery, Offer, Path, Wavefront, add, media, panes, power_heuristic,
+    query_plugin_lights, shadow_ray,
 };
 use crate::world::HitLanes;
 
@@ -37,6 +39,12 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         paths.set_bodies(media.has_bodies());
     }
     wavefront.paths.start(camera.rays);
+    if let Some(ledger) = &mut wavefront.ledger {
+        ledger.start(camera.rays.len());
+    }
+    if let Some(linked) = &mut wavefront.linked {
+        linked.start(camera.rays.len());
+    }
     let mut hits = std::mem::take(&mut wavefront.hits);
     if media.is_empty() {
         step(tracer, camera, &mut wavefront, radiance);
@@ -49,6 +57,12 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
     }
     for round in 1.. {
         std::mem::swap(&mut wavefront.paths, &mut wavefront.next);
+        if let Some(ledger) = &mut wavefront.ledger {
+            ledger.end_step();
+        }
+        if let Some(linked) = &mut wavefront.linked {
+            linked.end_step();
+        }
         if wavefront.paths.is_empty() {
             break;
         }
@@ -78,8 +92,9 @@ fn fly(
     wavefront: &mut Wavefront,
     radiance: &mut Vec3s,
 ) {
-    let Wavefront { paths, in_media, .. } = wavefront;
-    media::fly((tracer.world, tracer.options), (rays, keys), paths, hits, in_media, radiance);
+    let Wavefront { paths, in_media, ledger, .. } = wavefront;
+    let light = (radiance, ledger.as_mut());
+    media::fly((tracer.world, tracer.options), (rays, keys), paths, hits, in_media, light);
 }
 
 /// Takes the light at the ends of the paths' rays, then scatters them.
@@ -92,10 +107,17 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     wavefront.radiance_only.clear();
     wavefront.next.begin();
     wavefront.unshadowed.begin();
+    if let Some(ledger) = &mut wavefront.ledger {
+        ledger.begin_step();
+    }
+    if let Some(linked) = &mut wavefront.linked {
+        linked.begin_step();
+    }
     surfaces(tracer, from, wavefront, radiance);
     if !tracer.world.media().is_empty() {
-        let Wavefront { paths, next, unshadowed, in_media, .. } = &mut *wavefront;
-        let mut onward = Onward { next, unshadowed, radiance };
+        let Wavefront { paths, next, unshadowed, in_media, ledger, linked, .. } = &mut *wavefront;
+        let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held: None };
         let (of, from) = ((tracer.world, options), (&*paths, from.keys));
         dispatch_wide!(
             options.level,
@@ -108,15 +130,20 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     if options.aovs && from.depth == 0 {
         note_direct(tracer, &wavefront.radiance_only, radiance);
     }
-    let Wavefront { unshadowed, through, .. } = wavefront;
-    tracer.passed(&unshadowed.request, unshadowed.through(tracer.world.media()), through);
+    let Wavefront { unshadowed, through, ledger, linked, .. } = wavefront;
+    let blockers = linked.as_ref().map(|LinkedPaths { links, blockers: sets, .. }| Blockers { links, sets });
+    let passes = (unshadowed.through(tracer.world.media()), blockers);
+    tracer.passed(&unshadowed.request, passes, through);
     let media = Some(tracer.world.media()).filter(|media| !media.is_empty());
     panes::trace_through(tracer, &unshadowed.request, media, unshadowed.delta_requests(), through);
     for k in 0..through.len() {
         let share = through.get(k);
         if share != Vec3::ZERO {
             let (lane, light, edges) = unshadowed.get(k);
-            add(radiance, lane, light * share, edges, options.clamp);
+            let light = add(radiance, lane, light * share, edges, options.clamp);
+            if let Some(ledger) = ledger {
+                ledger.arrived(k, (lane, light));
+            }
         }
     }
 }
@@ -124,7 +151,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
 /// The step of the paths that met surfaces, shader by shader.
 fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let (world, options) = (tracer.world, tracer.options);
-    let Wavefront { paths, next, unshadowed, order, radiance_only, closures, .. } = wavefront;
+    let Wavefront { paths, next, unshadowed, order, radiance_only, closures, ledger, linked, .. } = wavefront;
     world.sort_by_material(from.hits, 0..from.hits.len(), order);
     tracer.for_each_surface_of(order, from, AttributeRequests::Light, |tracer, shader, numbers, points| {
         if let Some(log) = &mut tracer.log {
@@ -140,7 +167,9 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         }
         let medium = world.media().of_points(world, points);
         let met = Met { world, options, from, paths, numbers, points, closures, backdrop, is_final, medium };
-        let mut onward = Onward { next, unshadowed, radiance };
+        let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
+        let held = Some(&mut tracer.held).filter(|held| !held.is_empty());
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held };
         dispatch_wide!(
             options.level,
             simd => step::step(Sixteen(simd), &met, &mut onward),
@@ -178,6 +207,14 @@ fn query_plugins(met: &Met, onward: &mut Onward) {
                 path.inside = path.inside.crossing(met.medium, met.points.front(*k));
             }
             onward.unshadowed.push(&path, ray, value, absorption == Vec3::ZERO);
+            if let Some(linked) = &mut onward.linked {
+                linked.blockers.push(0);
+            }
+            if let Some(ledger) = &mut onward.ledger {
+                let events = met.events(ledger, *k, [wo, dir], (bsdf.is_transmitted(dir), false));
+                let end = ledger.paths.classes.plugin();
+                ledger.light(met.numbers[*k] as usize, &events, end);
+            }
         }
     });
 }
@@ -190,7 +227,7 @@ fn note_direct(tracer: &mut BatchTracer, radiance_only: &[u32], radiance: &Vec3s
 }
 
 /// Radiance of paths that left the scene.
-fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, radiance: &mut Vec3s) {
+fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let missed: Vec<usize> = (0..from.hits.len()).filter(|&i| media::is_missed(from.hits, i)).collect();
     if missed.is_empty() || tracer.world.lights().environment.is_none() {
         return;
@@ -199,12 +236,22 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, 
     let lights = tracer.world.light_set();
     for (k, &i) in missed.iter().enumerate().filter(|&(k, _)| direct.get(k) != Vec3::ZERO) {
         let path = wavefront.paths.get(i, from.keys[i]);
+        // The environment is the last light.
+        let number = LightId((lights.len() as u32).saturating_sub(1));
+        let is_linked = wavefront.linked.as_ref().filter(|_| lights.has_environment());
+        if is_linked.is_some_and(|linked| !linked.counts(i, number, path.from.is_some())) {
+            continue;
+        }
         let dir = Vec3::from(from.rays.get(i).dir);
         let weight = path.from.map_or(1.0, |origin| {
             power_heuristic(origin.pdf, lights.pdf_environment(origin.p, origin.ns, dir))
         });
         let left = left_after(f32::INFINITY, [path.absorption, Vec3::ZERO]);
         let light = path.throughput * direct.get(k) * weight * left;
-        add(radiance, path.lane, light, path.edges, tracer.options.clamp);
+        let light = add(radiance, path.lane, light, path.edges, tracer.options.clamp);
+        if let Some(ledger) = &mut wavefront.ledger {
+            let end = ledger.paths.classes.background();
+            ledger.found(i, (path.lane, light), end);
+        }
     }
 }

@@ -10,7 +10,7 @@
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, INVALID_ID, Ray, RayBatch};
 use gnurt_scene::RayMask;
-use gnurt_shading::lanes::LANES;
+use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::phase::Phase;
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::sampling::purpose;
@@ -23,6 +23,7 @@ use super::paths::{Of, Paths, Scattered};
 use super::step::Onward;
 use super::width::Width;
 use super::{add, roulette};
+use crate::expressions::{Ledger, Scatter};
 use crate::options::RenderOptions;
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::world::{HitLanes, Inside, Media, World};
@@ -113,7 +114,7 @@ pub(crate) fn fly(
     paths: &mut Paths,
     hits: &mut HitBatch,
     vertices: &mut MediumVertices,
-    radiance: &mut Vec3s,
+    (radiance, mut ledger): (&mut Vec3s, Option<&mut Ledger>),
 ) {
     vertices.clear();
     let (media, mut parts) = (world.media(), Parts::default());
@@ -132,7 +133,11 @@ pub(crate) fn fly(
         let mut random = Random::of_edge(options.seed, key, path.edges);
         let flight = parts.fly(length, path.throughput, &mut random);
         if flight.emitted != Vec3::ZERO {
-            add(radiance, path.lane, flight.emitted, path.edges, options.clamp);
+            let light = add(radiance, path.lane, flight.emitted, path.edges, options.clamp);
+            if let Some(ledger) = &mut ledger {
+                let end = ledger.paths.classes.medium();
+                ledger.found(i, (path.lane, light), end);
+            }
         }
         paths.throughput.set(i, flight.throughput);
         let Some((t, number)) = flight.scattered else { continue };
@@ -212,13 +217,36 @@ fn scatter_lanes<W: Width>(
         let light = width.lights(lights, [there, there], [p, along], [choice, x, y]);
         let pdf = phase.value(along.dot(light.dir));
         let lit = there & light.found & !light.radiance.is_zero();
-        let weight = W::R::pick(light.delta, one, power_heuristic(light.pdf, pdf));
+        let mut weight = W::R::pick(light.delta, one, power_heuristic(light.pdf, pdf));
+        let mut blockers = [0; LANES];
+        if let Some(linked) = &onward.linked {
+            let mut alone = 0;
+            for i in LanesOf(W::R::bits(lit)) {
+                let u = [choice.lane(i), x.lane(i), y.lane(i)];
+                let found = lights.sample(p.get(i), Vec3::ZERO, u);
+                blockers[i] = found.map_or(0, |found| linked.links.blockers(found.light));
+                alone |= u64::from(blockers[i] != 0) << i;
+            }
+            weight = W::R::pick(zero.points(alone), one, weight);
+        }
         let arriving = light.radiance * (pdf * weight / light.pdf);
         let here = throughput * arriving;
         let lit = lit & here.is_finite();
         let at = Leaving { p, error, ng: light.dir, ns: light.dir, lift: Vector::grey(zero) };
         let (ray, _) = at.shadow_rays(light.dir, light.dist, none);
         onward.unshadowed.push_all([lit, lit & light.delta], of, &ray, here, None);
+        if let Some(linked) = &mut onward.linked {
+            linked.blockers.extend(LanesOf(W::R::bits(lit)).map(|i| blockers[i]));
+        }
+        if let Some(ledger) = &mut onward.ledger {
+            for i in LanesOf(W::R::bits(lit)) {
+                let u = [choice.lane(i), x.lane(i), y.lane(i)];
+                let chosen = lights.sample(p.get(i), Vec3::ZERO, u).map(|sample| sample.light);
+                let classes = &ledger.paths.classes;
+                let end = chosen.map_or_else(|| classes.plugin(), |light| classes.light(light, lights));
+                ledger.light(of.numbers[i] as usize, &[(Scatter::VOLUME, Vec3::ONE)], end);
+            }
+        }
     }
     let [x, y] = W::pair(draws, purpose::DIRECTION);
     let [choice, survival] = W::pair(draws, purpose::CHOICE);
@@ -243,4 +271,12 @@ fn scatter_lanes<W: Width>(
     let absorption = ns;
     let next = Scattered { ray, throughput, p, ns, pdf, absorption, cone, how, boundary: None };
     onward.next.push_all(alive, of, &next);
+    if let Some(linked) = &mut onward.linked {
+        LanesOf(W::R::bits(alive)).for_each(|_| linked.scatter(None));
+    }
+    if let Some(ledger) = &mut onward.ledger {
+        for i in LanesOf(W::R::bits(alive)) {
+            ledger.scatter(of.numbers[i] as usize, &[(Scatter::VOLUME, Vec3::ONE)]);
+        }
+    }
 }

@@ -6,6 +6,7 @@
 pub(crate) mod absorption;
 mod flight;
 mod light_samples;
+pub(crate) mod links;
 pub(crate) mod media;
 mod medium_vertices;
 pub(crate) mod mis;
@@ -25,6 +26,7 @@ use glam::Vec3;
 use gnurt_shading::Vec3s;
 
 pub(crate) use light_samples::{LightQuery, Offer, query_plugin_lights, sampling_normal, shadow_ray};
+pub(crate) use links::Blockers;
 pub(crate) use mis::power_heuristic;
 pub(crate) use paths::{Path, Wavefront};
 pub(crate) use through::Through;
@@ -32,11 +34,12 @@ pub(crate) use vertex::{Known, Vertex};
 
 /// Adds light that came over `edges` edges, or that did not come (negative); no more than `clamp` in any channel if it was
 /// scattered more than once. It is each contribution that is limited, as production renderers limit indirect light, not their
-/// sum over a sample.
-pub(crate) fn add(radiance: &mut Vec3s, lane: u32, mut light: Vec3, edges: u32, clamp: Option<f32>) {
+/// sum over a sample. Returns the light that was added.
+pub(crate) fn add(radiance: &mut Vec3s, lane: u32, mut light: Vec3, edges: u32, clamp: Option<f32>) -> Vec3 {
     let size = light.abs().max_element();
     if let Some(most) = clamp.filter(|&most| edges > 2 && size > most) {
         light *= most / size;
     }
     radiance.add(lane as usize, light);
+    light
 }

@@ -12,9 +12,11 @@ use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
+use super::links::LinkedPaths;
 use super::medium_vertices::MediumVertices;
 use super::through::Through;
 use crate::cone::{Cone, Cones};
+use crate::expressions::Ledger;
 use crate::world::{Inside, Media};
 
 /// A continuing path.
@@ -442,4 +444,8 @@ pub(crate) struct Wavefront {
     pub(crate) radiance_only: Vec<u32>,
     pub(crate) closures: ClosureBatch,
     pub(crate) in_media: MediumVertices,
+    /// The accounts of layers of light, if some are requested.
+    pub(crate) ledger: Option<Ledger>,
+    /// Where paths were scattered, if some lights do not reach everything.
+    pub(crate) linked: Option<LinkedPaths>,
 }

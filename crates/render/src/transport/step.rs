@@ -9,16 +9,18 @@
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Prepared, Sampled, left_after};
 use gnurt_shading::lanes::{LANES, LanesOf};
-use gnurt_shading::lights::LightSet;
+use gnurt_shading::lights::{LightId, LightSet};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, RayKind, SurfaceBatch, Vec3s};
 
+use super::links::LinkedPaths;
 use super::mis::{power_heuristic, weigh};
 use super::paths::{Boundary, NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::Width;
 use super::{add, opacity, roulette};
 use crate::cone::{ConeHit, fineness};
+use crate::expressions::{Ledger, Lobe, Scatter};
 use crate::options::RenderOptions;
 use crate::world::{HitLanes, World};
 
@@ -48,6 +50,12 @@ pub(crate) struct Onward<'a> {
     pub(crate) next: &'a mut Paths,
     pub(crate) unshadowed: &'a mut Unshadowed,
     pub(crate) radiance: &'a mut Vec3s,
+    /// Notes the same for layers of light.
+    pub(crate) ledger: Option<&'a mut Ledger>,
+    /// Notes where paths were scattered, if some lights do not reach everything.
+    pub(crate) linked: Option<&'a mut LinkedPaths>,
+    /// Lanes of the camera that see a hole, if the world has holdouts.
+    pub(crate) held: Option<&'a mut Vec<bool>>,
 }
 
 impl Met<'_> {
@@ -76,8 +84,24 @@ impl Met<'_> {
         if path.layers <= opacity::MOST_LAYERS {
             let ray = self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY);
             onward.next.push(path, (ray, ConeHit::of(self.points, k).straight()));
+            if let Some(ledger) = &mut onward.ledger {
+                ledger.pass(self.numbers[k] as usize);
+            }
+            if let Some(linked) = &mut onward.linked {
+                linked.pass(self.numbers[k] as usize);
+            }
         }
         true
+    }
+
+    /// Whether the path at point `k` comes straight from the camera and sees a hole.
+    fn is_held_out(&self, k: usize, onward: &mut Onward) -> bool {
+        let path = self.path(k);
+        let is_one = path.edges == 1 && self.world.labels().holdouts.contains(&self.points.inst_id[k]);
+        if is_one && let Some(held) = onward.held.as_mut().and_then(|held| held.get_mut(path.lane as usize)) {
+            *held = true;
+        }
+        is_one
     }
 
     /// Whether light is absorbed between surfaces by the rule of the ends, not by media that paths fly through.
@@ -136,20 +160,48 @@ impl Met<'_> {
     fn take_light(&self, k: usize, lights: &LightSet, onward: &mut Onward) {
         let (path, clamp) = (self.path(k), self.options.clamp);
         if let Some(behind) = self.backdrop {
-            add(onward.radiance, path.lane, path.throughput * behind, path.edges, clamp);
+            let light = add(onward.radiance, path.lane, path.throughput * behind, path.edges, clamp);
+            if let Some(ledger) = &mut onward.ledger {
+                let end = ledger.paths.classes.background();
+                ledger.found(self.numbers[k] as usize, (path.lane, light), end);
+            }
         }
         let found = self.closures.emission(k);
         if found != Vec3::ZERO {
-            let found = self.counted(found, lights, &path, k);
-            add(onward.radiance, path.lane, path.throughput * found, path.edges, clamp);
+            let found = self.counted(found, lights, &path, (k, onward.linked.as_deref()));
+            let light = add(onward.radiance, path.lane, path.throughput * found, path.edges, clamp);
+            if let Some(ledger) = &mut onward.ledger {
+                let (ids, dir) = (self.ids(k), self.points.ray_dir.get(k));
+                let end = ledger.paths.classes.surface(lights, ids, dir, self.material());
+                ledger.found(self.numbers[k] as usize, (path.lane, light), end);
+            }
         }
+    }
+
+    fn ids(&self, k: usize) -> [u32; 3] {
+        [self.points.leaf_id[k], self.points.geom_id[k], self.points.prim_id[k]]
+    }
+
+    fn material(&self) -> u32 {
+        self.world.material_of(self.points.leaf_id[0], self.points.geom_id[0])
     }
 
     /// The weighted emission at the hit of a scattered ray: light samples find it, too. Of radiance-only
     /// surfaces they find the described emission.
-    fn counted(&self, found: Vec3, lights: &LightSet, path: &Path, k: usize) -> Vec3 {
+    fn counted(
+        &self,
+        found: Vec3,
+        lights: &LightSet,
+        path: &Path,
+        (k, linked): (usize, Option<&LinkedPaths>),
+    ) -> Vec3 {
         let points = self.points;
-        let (ids, dir) = ([points.leaf_id[k], points.geom_id[k], points.prim_id[k]], points.ray_dir.get(k));
+        let (ids, dir) = (self.ids(k), points.ray_dir.get(k));
+        if let (Some(linked), Some(triangle)) = (linked, lights.triangle(ids, dir))
+            && !linked.counts(self.numbers[k] as usize, LightId(triangle), path.from.is_some())
+        {
+            return Vec3::ZERO;
+        }
         let weight = weigh(lights, path, ids, points.p.get(k), dir);
         match lights.triangle(ids, dir) {
             Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {
@@ -167,13 +219,17 @@ pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
     let count = met.numbers.len();
     onward.next.reserve(count);
     onward.unshadowed.reserve(count);
-    let needs_vertices =
-        met.closures.emits() || met.closures.is_partly_transparent() || met.backdrop.is_some();
+    let has_holdouts = onward.held.is_some();
+    let needs_vertices = has_holdouts
+        || met.closures.emits()
+        || met.closures.is_partly_transparent()
+        || met.backdrop.is_some();
     for first in (0..count).step_by(W::R::LANES) {
         let mut there = u64::MAX >> (64 - W::R::LANES.min(count - first));
         if needs_vertices {
             for i in LanesOf(there) {
-                if met.closures.is_partly_transparent() && met.passes(first + i, onward) {
+                let passes = met.closures.is_partly_transparent() && met.passes(first + i, onward);
+                if passes || (has_holdouts && met.is_held_out(first + i, onward)) {
                     there &= !(1 << i);
                 } else {
                     met.take_light(first + i, met.world.light_set(), onward);
@@ -228,7 +284,23 @@ fn scatter<W: Width>(
             let (value, pdf) = prepared.eval_pdf(light.dir);
             let lit = requests_light & light.found & !value.is_zero() & !light.radiance.is_zero();
             let weight = if met.backdrop.is_some() { one } else { power_heuristic(light.pdf, pdf) };
-            let weight = W::R::pick(light.delta, one, weight);
+            let mut weight = W::R::pick(light.delta, one, weight);
+            let (mut lit, mut blockers) = (lit, [0; LANES]);
+            if let Some(linked) = &onward.linked {
+                let all_sides = W::R::bits(translucent);
+                let [mut reached, mut alone] = [0, 0];
+                for i in LanesOf(W::R::bits(lit)) {
+                    let ns = if all_sides >> i & 1 != 0 { Vec3::ZERO } else { at.ns.get(i) };
+                    let u = [choice.lane(i), x.lane(i), y.lane(i)];
+                    let Some(found) = lights.sample(at.p.get(i), ns, u) else { continue };
+                    blockers[i] = linked.links.blockers(found.light);
+                    let is_reached = linked.links.reaches(found.light, points.inst_id[first + i]);
+                    reached |= u64::from(is_reached) << i;
+                    alone |= u64::from(blockers[i] != 0) << i;
+                }
+                lit = lit & zero.points(reached);
+                weight = W::R::pick(zero.points(alone), one, weight);
+            }
             let arriving = light.radiance * (weight / light.pdf);
             let transmitted = zero.above(prepared.normal().dot(light.dir));
             let (ray, sends) = at.shadow_rays(light.dir, light.dist, transmitted);
@@ -241,13 +313,36 @@ fn scatter<W: Width>(
                 let far = lit & !light.delta & !light.dist.is_number();
                 for i in LanesOf(W::R::bits(far)) {
                     let path = met.path(first + i);
-                    add(onward.radiance, path.lane, -here.get(i), path.edges + 1, options.clamp);
+                    let light = add(onward.radiance, path.lane, -here.get(i), path.edges + 1, options.clamp);
+                    if let Some(ledger) = &mut onward.ledger {
+                        let end = ledger.paths.classes.background();
+                        ledger.found(met.numbers[first + i] as usize, (path.lane, light), end);
+                    }
                 }
             }
             let begins = met.absorption(first, lit, transmitted, zero);
             let delta_requests = lit & light.delta & begins.is_zero();
             let through = boundary.map(|boundary| (boundary, W::R::bits(transmitted)));
             onward.unshadowed.push_all([lit, delta_requests], of, &ray, here, through);
+            if let Some(linked) = &mut onward.linked {
+                linked.blockers.extend(LanesOf(W::R::bits(lit)).map(|i| blockers[i]));
+            }
+            if let Some(ledger) = &mut onward.ledger {
+                let transmitted = W::R::bits(transmitted);
+                let all_sides = W::R::bits(translucent);
+                for i in LanesOf(W::R::bits(lit)) {
+                    let is_lit = LitLane {
+                        k: first + i,
+                        p: at.p.get(i),
+                        ns: if all_sides >> i & 1 != 0 { Vec3::ZERO } else { at.ns.get(i) },
+                        u: [choice.lane(i), x.lane(i), y.lane(i)],
+                        wo: wo.get(i),
+                        wi: light.dir.get(i),
+                        is_transmitted: transmitted >> i & 1 != 0,
+                    };
+                    note_light(met, &is_lit, ledger);
+                }
+            }
         }
     }
     let [x, y] = W::pair(draws, purpose::DIRECTION);
@@ -263,6 +358,62 @@ fn scatter<W: Width>(
         cone = Some([at.width, at.spread_after(chosen.pdf, chosen.delta, chosen.transmitted, fineness)]);
     }
     go_on((met, first), (of, there), &at, &prepared, (chosen, throughput), (survival, edges, cone), onward);
+}
+
+/// A light sample of one point, for layers of light.
+struct LitLane {
+    /// The point.
+    k: usize,
+    p: Vec3,
+    ns: Vec3,
+    /// The random numbers that chose it.
+    u: [f32; 3],
+    wo: Vec3,
+    wi: Vec3,
+    is_transmitted: bool,
+}
+
+/// Notes a light sample: its light is chosen again, which gives the same one.
+fn note_light(met: &Met, lit: &LitLane, ledger: &mut Ledger) {
+    let (lights, classes) = (met.world.light_set(), &ledger.paths.classes);
+    let light = lights.sample(lit.p, lit.ns, lit.u).map(|sample| sample.light);
+    let end = light.map_or_else(|| classes.plugin(), |light| classes.light(light, lights));
+    let number = met.numbers[lit.k] as usize;
+    if met.backdrop.is_some() && end == classes.background() {
+        // What a shadow catcher shows of the environment is not scattered there.
+        ledger.light(number, &[], end);
+        return;
+    }
+    let events = met.events(ledger, lit.k, [lit.wo, lit.wi], (lit.is_transmitted, false));
+    ledger.light(number, &events, end);
+}
+
+impl Met<'_> {
+    /// The events of light from the unit `wi` that point `k` scatters to `wo`: by diffuse lobes and by glossy ones.
+    pub(crate) fn events(
+        &self,
+        ledger: &Ledger,
+        k: usize,
+        [wo, wi]: [Vec3; 2],
+        (is_transmitted, is_delta): (bool, bool),
+    ) -> [(Scatter, Vec3); 2] {
+        let material = self.material();
+        let event = |lobe| ledger.paths.classes.scatter(material, is_transmitted, lobe);
+        if is_delta {
+            return [(event(Lobe::Singular), Vec3::ONE), (event(Lobe::Glossy), Vec3::ZERO)];
+        }
+        let (mut wide, mut narrow) = (false, false);
+        for (kind, _) in self.closures.widths(k) {
+            wide |= kind.is_wide();
+            narrow |= !(kind.is_wide() || kind.is_delta());
+        }
+        let share = match (wide, narrow) {
+            (true, true) => self.closures.point(k).bsdf.wide_share(wo, wi),
+            (_, false) => Vec3::ONE,
+            (false, true) => Vec3::ZERO,
+        };
+        [(event(Lobe::Diffuse), share), (event(Lobe::Glossy), Vec3::ONE - share)]
+    }
 }
 
 /// Sends on the paths that are there, in the directions that were chosen.
@@ -300,6 +451,20 @@ fn go_on<R: Real>(
     let boundary = met.boundary(first, R::LANES);
     let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how, boundary };
     onward.next.push_all(alive & sends, of, &next);
+    if let Some(linked) = &mut onward.linked {
+        for i in LanesOf(R::bits(alive & sends)) {
+            linked.scatter(Some(met.points.inst_id[first + i]));
+        }
+    }
+    if let Some(ledger) = &mut onward.ledger {
+        let [deltas, transmitted] = [chosen.delta, chosen.transmitted].map(R::bits);
+        for i in LanesOf(R::bits(alive & sends)) {
+            let (k, wi) = (first + i, chosen.wi.get(i));
+            let how = (transmitted >> i & 1 != 0, deltas >> i & 1 != 0);
+            let events = met.events(ledger, k, [-met.points.ray_dir.get(k), wi], how);
+            ledger.scatter(met.numbers[k] as usize, &events);
+        }
+    }
 }
 
 #[inline(always)]

@@ -12,6 +12,7 @@ use gnurt_scene::RayMask;
 use gnurt_shading::{RayRequest, Vec3s};
 
 use super::flight::Parts;
+use super::links::Blockers;
 use super::opacity;
 use super::through::Through;
 use crate::cone::Cones;
@@ -35,12 +36,13 @@ impl BatchTracer<'_> {
     }
 
     /// Steps from surface to surface and multiplies their transmittances, and those of media between them,
-    /// until no light or no distance remains. `scatters`: only holes let light through.
+    /// until no light or no distance remains. `scatters`: only holes let light through. Some instances may not stop
+    /// some rays.
     pub(crate) fn pass_layers(
         &mut self,
         request: &RayRequest,
         scatters: bool,
-        through: Option<Through>,
+        (through, blockers): (Option<Through>, Option<Blockers>),
         transmittance: &mut Vec3s,
     ) {
         let no_width = Cones::default();
@@ -79,6 +81,10 @@ impl BatchTracer<'_> {
                 let bounds = through.map_or(0, |through| through.media.of_points(tracer.world, points));
                 for (k, &lane) in lanes.iter().enumerate() {
                     let ray = serves[lane as usize] as usize;
+                    let stops = |Blockers { links, sets }| links.stops(sets[ray], points.inst_id[k]);
+                    if !blockers.is_none_or(stops) && layer < opacity::MOST_LAYERS {
+                        left.set(k, Vec3::ONE);
+                    }
                     transmittance.set(ray, transmittance.get(ray) * left.get(k));
                     if transmittance.get(ray) != Vec3::ZERO {
                         if bounds != 0 {

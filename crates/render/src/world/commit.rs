@@ -16,12 +16,14 @@ use gnurt_scene::{Affine, Scene};
 
 use super::dirty::DirtyParts;
 use super::instance::InstanceSlot;
-use super::lights::ChangedLights;
+use super::labels::WorldLabels;
+use super::lights::{ChangedLights, order_in_set};
 use super::media::Media;
 use super::open::{Open, Shutter};
 use super::table::{CommitOptions, CommitReport, ShaderTable};
 use super::{Dropped, Followed, World, check, members, object_build, top, users};
 use crate::error::CommitError;
+use crate::mattes::ids_of_instance;
 
 impl World {
     /// Brings the world up to date with `scene`. A world follows one scene: a commit rebuilds only the parts
@@ -138,6 +140,10 @@ impl World {
             report.made_lights = true;
             self.lights = Arc::new(lights);
         }
+        if is_first || report.made_lights || !dirty.materials.is_empty() {
+            let emissive = &self.lights.emitters.instances;
+            self.labels = Arc::new(WorldLabels::new(scene, &order_in_set(scene), emissive));
+        }
     }
 
     /// Objects and instances.
@@ -220,7 +226,9 @@ impl World {
             let paths: HashMap<u32, &[Affine]> =
                 exposure.instances.iter().map(|(id, positions)| (id.0, &positions[..])).collect();
             let index = |id: usize| {
-                InstanceSlot::new(&scene.instances()[id], objects, paths.get(&(id as u32)).copied())
+                let (instance, id) = (&scene.instances()[id], id as u32);
+                let mattes = ids_of_instance(scene, id, instance);
+                InstanceSlot::new(instance, objects, paths.get(&id).copied(), mattes)
             };
             pool.install(|| instances.set_all(&changed, true, index));
             let is_dropped =

@@ -36,7 +36,7 @@ pub(super) struct Emitters {
     /// if both sides emit.
     pub(super) ids: Arc<Vec<[u32; 3]>>,
     /// Instances with an emissive mesh, ascending.
-    instances: Vec<u32>,
+    pub(super) instances: Vec<u32>,
 }
 
 /// Triangles that may emit: leaf, mesh and triangle of each, and the data of those whose shaders are queried.

@@ -21,6 +21,8 @@ pub(crate) struct PlacedInstance {
     pub(crate) transform: Transform,
     /// Its path during the open shutter; `transform` is its start.
     pub(crate) motion: Option<Arc<MotionPath>>,
+    /// Ids of mattes: its own, and that of its asset.
+    pub(crate) mattes: [u32; 2],
 }
 
 /// The state of an instance of the scene.
@@ -35,11 +37,12 @@ pub(super) enum InstanceSlot {
 }
 
 impl InstanceSlot {
-    /// An instance of the scene, if its object exists; with its transforms during the open shutter.
+    /// An instance of the scene, if its object exists; with its transforms during the open shutter, and its ids of mattes.
     pub(super) fn new(
         instance: &Instance,
         objects: &SharedList<ObjectSlot>,
         transforms: Option<&[Affine]>,
+        mattes: [u32; 2],
     ) -> Self {
         let object = objects.get(instance.object.index()).and_then(|slot| slot.object.clone());
         let Some(object) = object.filter(|_| instance.visible) else { return Self::Hidden };
@@ -53,6 +56,7 @@ impl InstanceSlot {
             mask: instance.mask,
             transform,
             motion,
+            mattes,
         })
     }
 

@@ -10,7 +10,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{Mat3, Vec3};
 use gnurt_accel::Threads;
 use gnurt_scene::material::TextureRef;
-use gnurt_scene::{Affine, Light, Scene};
+use gnurt_scene::{Affine, Light, LightId, Scene};
 use gnurt_shading::lights as shading;
 use gnurt_shading::lights::{EnvironmentLight, LightSet};
 use gnurt_shading::{EnvironmentShader, LightShader};
@@ -83,6 +83,11 @@ impl Lights {
             // A second thread has computed the same.
             let _ = self.set.set(set);
         }
+    }
+
+    /// Leaf, mesh and triangle of the emissive triangles, as a light set numbers them.
+    pub(crate) fn triangle_ids(&self) -> &[[u32; 3]] {
+        &self.emitters.ids
     }
 
     /// Where light paths start at lights of shader plugins, within `bounds`.
@@ -261,6 +266,20 @@ fn without_extent(light: &Light, parts: &mut shading::LightParts) -> Option<Arc<
         }
         Light::Environment { .. } | Light::Backdrop { .. } => None,
     }
+}
+
+/// The scene's lights without extent in the order of a light set: points, spots, directional lights.
+pub(super) fn order_in_set(scene: &Scene) -> Vec<LightId> {
+    let mut parts = shading::LightParts::default();
+    let mut kinds = [(); 3].map(|()| Vec::new());
+    for (id, light) in (0..).map(LightId).zip(scene.lights()) {
+        if without_extent(light, &mut parts).is_some() {
+            let counts = [parts.points.len(), parts.spots.len(), parts.directionals.len()];
+            let grown = (0..3).find(|&kind| counts[kind] > kinds[kind].len());
+            grown.into_iter().for_each(|kind| kinds[kind].push(id));
+        }
+    }
+    kinds.concat()
 }
 
 fn rotation_of(world_from_light: &Affine) -> Mat3 {

@@ -13,6 +13,7 @@ mod dirty;
 mod emitters;
 mod grid;
 mod instance;
+mod labels;
 mod lights;
 mod material_table;
 mod materials;
@@ -48,6 +49,7 @@ use crowds::Crowds;
 use emitters::Shown;
 pub(crate) use grid::GridRay;
 use instance::InstanceSlot;
+pub(crate) use labels::{Names, WorldLabels};
 pub(crate) use lights::{Lights, LightsContent};
 pub(crate) use material_table::MaterialTable;
 pub(crate) use media::{Inside, Media, MediumEntry};
@@ -92,6 +94,7 @@ pub struct World {
     materials: Arc<MaterialTable>,
     lights: Arc<Lights>,
     media: Arc<Media>,
+    labels: Arc<WorldLabels>,
     face_normals: bool,
     /// The pixel shader, if pixels show more than the radiance along their rays.
     pixel: Option<Arc<dyn PixelShader>>,
@@ -336,6 +339,19 @@ impl World {
 
     pub(crate) fn lights(&self) -> &Lights {
         &self.lights
+    }
+
+    /// Names and groups of lights and materials.
+    pub(crate) fn labels(&self) -> &WorldLabels {
+        &self.labels
+    }
+
+    /// Ids of mattes of a hit: object, material, asset.
+    pub(crate) fn matte_ids(&self, instance: u32, material: u32) -> [u32; 3] {
+        let placed = self.instances.get(instance as usize).and_then(InstanceSlot::placed);
+        let [object, asset] = placed.map_or([0; 2], |placed| placed.mattes);
+        let material = self.labels.material_mattes.get(material as usize).copied().unwrap_or(0);
+        [object, material, asset]
     }
 
     /// The media that paths fly through.

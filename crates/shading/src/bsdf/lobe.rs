@@ -86,6 +86,12 @@ impl Kind {
         matches!(self, Self::Mirror | Self::SmoothGlass | Self::SmoothPane)
     }
 
+    /// Whether it sends light to all sides: neither microfacets nor mirrors nor glass.
+    #[must_use]
+    pub fn is_wide(self) -> bool {
+        matches!(self, Self::Diffuse | Self::Translucent | Self::Sheen | Self::Fibres)
+    }
+
     /// Whether it has microfacets, or a width of slopes.
     fn has_slopes(self) -> bool {
         let is_common = matches!(self, Self::Microfacets | Self::Metal | Self::Glass | Self::Pane);

@@ -166,6 +166,12 @@ impl Bsdf {
         self.eval_pdf(wo, wi).1
     }
 
+    /// The share of lobes that send light to all sides in [`eval`](Self::eval), by colour, in [0, 1].
+    #[must_use]
+    pub fn wide_share(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        self.prepared(wo).wide_share(wi)
+    }
+
     /// Chooses the next direction of a path; `u` holds three numbers in [0, 1), the first chooses between
     /// lobes. `None` = it ends here.
     #[must_use]

@@ -378,6 +378,22 @@ impl Prepared<f32> {
         prepared
     }
 
+    /// The share that lobes which send light to all sides have in the value for the unit direction `wi`, by colour;
+    /// 0 where the value is.
+    pub(super) fn wide_share(&self, wi: Vec3) -> Vec3 {
+        let (wi, mut wide) = (wi.into(), Vec3::ZERO);
+        let mut sum = Sum::new(self.normal, wi);
+        for (k, lobe) in self.lobes().enumerate() {
+            let before = Vec3::from(sum.value);
+            sum.add(k, lobe, wi);
+            if Kind::ALL.get(lobe.kind as usize).is_some_and(|kind| kind.is_wide()) {
+                wide += Vec3::from(sum.value) - before;
+            }
+        }
+        let share = |k: usize| if wide[k] > 0.0 { (wide[k] / sum.value.get(0)[k]).min(1.0) } else { 0.0 };
+        Vec3::new(share(0), share(1), share(2))
+    }
+
     /// The position of the lobe that [`sample`](Self::sample) draws from by this number.
     pub(super) fn place_of(&self, u: f32) -> usize {
         let (mut before, mut entry, mut probability) = (0.0, 0, 0.0);

@@ -7,6 +7,7 @@ mod bench;
 mod display_values;
 mod eye;
 mod frame;
+mod gain;
 mod layers;
 mod moment;
 mod plain;
@@ -20,7 +21,8 @@ pub(crate) use display_values::{
 };
 pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
 pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};
-pub(crate) use layers::{LayerList, layers};
+pub(crate) use gain::gain;
+pub(crate) use layers::layers;
 pub(crate) use moment::{FrameRange, frames, frames_per_second, seconds, shutter, time};
 pub(crate) use sampling::{
     clamp, depth, integrator, interleave, isa, mebibytes, memory, noise, samples, seed, threads, tolerance,

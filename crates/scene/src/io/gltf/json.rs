@@ -35,6 +35,9 @@ pub(super) struct Root<'a> {
     pub(super) cameras: Pieces<'a>,
     #[serde(borrow)]
     pub(super) extensions: RootExtensions<'a>,
+    /// Contents of any form, written by any program.
+    #[serde(borrow)]
+    pub(super) extras: Option<&'a RawValue>,
     #[serde(borrow)]
     pub(super) extensions_required: Vec<Text<'a>>,
     #[serde(borrow)]
@@ -257,6 +260,13 @@ pub(super) struct Light<'a> {
     pub(super) intensity: f32,
     #[serde(default)]
     pub(super) spot: Cone,
+    #[serde(default)]
+    pub(super) extras: Option<serde_json::Value>,
+}
+
+/// The light group in `extras`.
+pub(super) fn light_group(extras: Option<&serde_json::Value>) -> Option<&str> {
+    extras?.get("light_group")?.as_str()
 }
 
 #[derive(Deserialize)]
@@ -375,6 +385,22 @@ pub(super) struct Material<'a> {
     pub(super) extras: Option<&'a RawValue>,
 }
 
+impl Root<'_> {
+    /// The layers of pictures in `extras`: `{"gnurt": {"outputs": [..]}}`.
+    pub(super) fn outputs(&self) -> Vec<String> {
+        #[derive(Deserialize)]
+        struct Extras {
+            gnurt: Wishes,
+        }
+        #[derive(Deserialize)]
+        struct Wishes {
+            outputs: Vec<String>,
+        }
+        let read = |extras: &RawValue| serde_json::from_str::<Extras>(extras.get()).ok();
+        self.extras.and_then(read).map_or_else(Vec::new, |extras| extras.gnurt.outputs)
+    }
+}
+
 /// A file, and names and values of parameters.
 pub(super) type NamedShader = (String, Vec<(String, String)>);
 
@@ -408,6 +434,15 @@ impl Material<'_> {
     /// another program.
     pub(super) fn shader(&self) -> Option<NamedShader> {
         shader_in(&mut serde_json::Deserializer::from_str(self.extras?.get()))
+    }
+
+    /// The light group in `extras`.
+    pub(super) fn light_group(&self) -> Option<String> {
+        #[derive(Deserialize)]
+        struct Extras {
+            light_group: String,
+        }
+        serde_json::from_str::<Extras>(self.extras?.get()).ok().map(|extras| extras.light_group)
     }
 
     /// Bytes of `extras`.

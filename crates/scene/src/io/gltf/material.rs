@@ -23,6 +23,7 @@ use crate::id::{MaterialId, TextureId};
 use crate::io::error::quoted;
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings, source};
+use crate::labels::Shining;
 use crate::layer_textures::LayerTextures;
 use crate::material::{Material, Principled, Surface};
 use crate::scene::Scene;
@@ -99,6 +100,9 @@ pub(super) fn add_all(
         let id = scene.add_material(converted);
         if material.extras_bytes() > 0 {
             document.hold(4 * material.extras_bytes(), &location)?;
+        }
+        if let Some(group) = material.light_group() {
+            scene.labels_mut().set_light_group(Shining::Material(id), &group);
         }
         if let Some((name, parameters)) = material.shader() {
             let file = source::resolve(&document.path, &name);

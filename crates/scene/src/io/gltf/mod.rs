@@ -94,6 +94,7 @@ fn load(path: &Path, is_binary: bool, access: &Access) -> Result<Loaded, Error> 
         material::add_all(&document, |index| drafts.drives_material(index), &mut scene, &mut warnings)?;
     let rig = Rig::new(&document, drafts, materials.moving)?;
     nodes::add_all(&document, &materials.added, rig, &mut scene, &mut warnings)?;
+    scene.labels_mut().outputs = document.root.outputs();
     let files = document.files();
     Ok(Loaded { scene, warnings, files })
 }

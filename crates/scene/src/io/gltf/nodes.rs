@@ -23,6 +23,7 @@ use crate::animation::{
 };
 use crate::id::ObjectId;
 use crate::io::{Error, Oddity, Warnings, source};
+use crate::labels::Shining;
 use crate::motion::Motion;
 use crate::ray_mask::RayMask;
 use crate::scene::{Instance, Member, Object, Scene};
@@ -191,7 +192,7 @@ impl Adder<'_> {
         if let Some(light) = light {
             let lights = root.extensions.lights.as_ref().map_or(&[][..], |lights| &lights.lights);
             let from: json::Light<'_> = self.document.get(lights, light.light, &attachment, "light")?;
-            self.add_light(light.light, &from, attached, warnings);
+            self.add_light((name, node), light.light, &from, attached, warnings);
         }
         Ok(())
     }
@@ -284,6 +285,13 @@ impl Adder<'_> {
             let mask = self.ray_mask(&name, node, warnings);
             let instance =
                 self.scene.add_instance(Instance { name, object, world_from_object, visible, mask });
+            let holdout = node.extras.as_ref().and_then(|extras| extras.get("holdout"));
+            if holdout.and_then(serde_json::Value::as_bool) == Some(true) {
+                self.scene.labels_mut().holdouts.insert(instance);
+            }
+            if let Some(group) = json::light_group(node.extras.as_ref()) {
+                self.scene.labels_mut().set_light_group(Shining::Instance(instance), group);
+            }
             if let Attachment::On(node) = attached.attachment {
                 self.rig.made.instances.push(MovingInstance { instance, node, has_transform });
             }
@@ -377,6 +385,7 @@ impl Adder<'_> {
 
     fn add_light(
         &mut self,
+        (name, node): (String, &json::Node),
         index: Index,
         from: &json::Light<'_>,
         attached: NodeAttachment,
@@ -407,6 +416,13 @@ impl Adder<'_> {
             return;
         }
         let light = self.scene.add_light(light);
+        let group =
+            json::light_group(node.extras.as_ref()).or_else(|| json::light_group(from.extras.as_ref()));
+        let labels = self.scene.labels_mut();
+        group.iter().for_each(|group| labels.set_light_group(Shining::Light(light), group));
+        if node.name.is_some() {
+            labels.lights.insert(light, name);
+        }
         if moves {
             let factors = self.rig.add_light(index, factors);
             self.rig.made.lights.push(MovingLight { light, attachment: attached.attachment, factors });

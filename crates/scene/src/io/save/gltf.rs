@@ -24,8 +24,9 @@ use opacity::BaseTexture;
 
 use super::files::{check_writable, leave_out, write};
 use super::png;
-use crate::id::TextureId;
+use crate::id::{MaterialId, TextureId};
 use crate::io::{Error, Warnings};
+use crate::labels::Shining;
 use crate::material::TextureRef;
 use crate::scene::Scene;
 
@@ -53,19 +54,23 @@ fn save(scene: &Scene, path: &Path, is_binary: bool, warnings: &mut Warnings) ->
     let materials: Vec<Value> = scene
         .materials()
         .iter()
-        .map(|material| {
-            material::material(material, |base| match opacity::base_texture(scene, material, base) {
-                BaseTexture::AsIs(texture) => texture,
-                BaseTexture::Lost(texture) => {
-                    lost += 1;
-                    texture
-                }
-                BaseTexture::Merged(texture, like) => {
-                    let id = TextureId((scene.textures().len() + merged.len()) as u32);
-                    merged.push(texture);
-                    Some(TextureRef { texture: id, ..like })
-                }
-            })
+        .zip(0..)
+        .map(|(material, id)| {
+            let mut made =
+                material::material(material, |base| match opacity::base_texture(scene, material, base) {
+                    BaseTexture::AsIs(texture) => texture,
+                    BaseTexture::Lost(texture) => {
+                        lost += 1;
+                        texture
+                    }
+                    BaseTexture::Merged(texture, like) => {
+                        let id = TextureId((scene.textures().len() + merged.len()) as u32);
+                        merged.push(texture);
+                        Some(TextureRef { texture: id, ..like })
+                    }
+                });
+            nodes::put_into_group(&mut made, scene, Shining::Material(MaterialId(id)));
+            made
         })
         .collect();
     leave_out(lost, "opacity under coordinates of its own", path, warnings);

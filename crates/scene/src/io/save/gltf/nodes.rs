@@ -12,8 +12,9 @@ use super::mesh::{body, shown_meshes};
 use crate::affine::Affine;
 use crate::animation::{Animation, Attachment, LightFactors, LightKind, Local};
 use crate::camera::Camera;
-use crate::id::InstanceId;
+use crate::id::{InstanceId, LightId};
 use crate::io::{Error, Warnings};
+use crate::labels::Shining;
 use crate::light::Light;
 use crate::ray_mask::RayMask;
 use crate::scene::Scene;
@@ -147,6 +148,12 @@ impl Nodes {
                 if found.mask != RayMask::ALL {
                     node["extras"] = json!({ "mask": found.mask.0 });
                 }
+                if found.depth == 0 && scene.labels().holdouts.contains(&found.instance) {
+                    node["extras"]["holdout"] = json!(true);
+                }
+                if found.depth == 0 {
+                    put_into_group(&mut node, scene, Shining::Instance(found.instance));
+                }
             }
             let index = self.add(node, parent);
             for (_, body) in shown_meshes(scene, found.object).take(usize::from(number.is_some())) {
@@ -216,7 +223,12 @@ impl Nodes {
             };
             let number = self.lights.len();
             let extension = json!({ "KHR_lights_punctual": { "light": number } });
-            let node = json!({ "extensions": extension });
+            let mut node = json!({ "extensions": extension });
+            let id = LightId(k as u32);
+            put_into_group(&mut node, scene, Shining::Light(id));
+            if let Some(name) = scene.labels().lights.get(&id) {
+                node["name"] = json!(name);
+            }
             self.lights.push(rest.map_or(described, |rest| factors(&rest)));
             match moving {
                 Some(moving) => {
@@ -226,6 +238,13 @@ impl Nodes {
                 None => _ = self.add(with_matrix(node, &matrix), None),
             }
         }
+    }
+}
+
+/// Writes the light group of something into the `extras` of its node or material.
+pub(super) fn put_into_group(node: &mut Value, scene: &Scene, shining: Shining) {
+    if let Some(group) = scene.labels().light_groups.get(&shining) {
+        node["extras"]["light_group"] = json!(group);
     }
 }
 

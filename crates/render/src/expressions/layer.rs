@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Layers of light: a name and a light path expression each; the usual ones by a word.
+//! Tests: `tests`; crates/render/tests/light_layers.rs.
+
+use super::automaton::{Automaton, labels_in};
+use super::events::{Alphabet, MOST_LABELS};
+use super::syntax::{ExpressionError, parse};
+
+/// Most layers of a picture.
+const MOST_LAYERS: usize = 512;
+
+/// Words for layers, and their expressions.
+const WORDS: [(&str, &str); 15] = [
+    ("direct", "C[RTV][LOB]"),
+    ("indirect", "C[RTV][RTV]+[LOB]"),
+    ("diffuse", "C<RD>[RTV]*[LOB]"),
+    ("diffuse_direct", "C<RD>[LOB]"),
+    ("diffuse_indirect", "C<RD>[RTV]+[LOB]"),
+    ("glossy", "C<R[GS]>[RTV]*[LOB]"),
+    ("glossy_direct", "C<R[GS]>[LOB]"),
+    ("glossy_indirect", "C<R[GS]>[RTV]+[LOB]"),
+    ("transmission", "CT[RTV]*[LOB]"),
+    ("transmission_direct", "CT[LOB]"),
+    ("transmission_indirect", "CT[RTV]+[LOB]"),
+    ("volume", "CV[RTV]*[LOB]"),
+    ("volume_direct", "CV[LOB]"),
+    ("volume_indirect", "CV[RTV]+[LOB]"),
+    ("emission", "C[LO]"),
+];
+const ENVIRONMENT: (&str, &str) = ("environment", "CB");
+
+/// What layers of light groups are called: this, and the group.
+pub const GROUP_PREFIX: &str = "light.";
+/// The layer of lights without a group.
+pub const UNGROUPED: &str = "light_rest";
+
+/// A layer of a picture: the part of its light whose paths an expression matches.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LightLayer {
+    /// The name of the layer in files.
+    pub name: String,
+    /// Its light path expression.
+    pub expression: String,
+}
+
+impl LightLayer {
+    /// A layer by an expression.
+    ///
+    /// # Errors
+    /// The expression cannot be read, or matches no path.
+    pub fn new(name: impl Into<String>, expression: impl Into<String>) -> Result<Self, ExpressionError> {
+        let layer = Self { name: name.into(), expression: expression.into() };
+        check(std::slice::from_ref(&layer))?;
+        Ok(layer)
+    }
+
+    /// Words for layers, such as `direct`.
+    pub fn words() -> impl Iterator<Item = &'static str> {
+        WORDS.iter().chain([&ENVIRONMENT]).map(|(word, _)| *word)
+    }
+
+    /// The layer of a word.
+    #[must_use]
+    pub fn of_word(word: &str) -> Option<Self> {
+        let found = WORDS.iter().chain([&ENVIRONMENT]).find(|(known, _)| *known == word);
+        found.map(|&(name, expression)| Self { name: name.into(), expression: expression.into() })
+    }
+
+    /// All light of a light group; of a light, if it has this name.
+    #[must_use]
+    pub fn of_light(label: &str) -> Self {
+        let expression = format!("C.*<[LOB].'{label}'>");
+        Self { name: format!("{GROUP_PREFIX}{label}"), expression }
+    }
+
+    /// One layer for each group, and one for all other light: together they are the picture.
+    #[must_use]
+    pub fn of_groups(groups: &[&str]) -> Vec<Self> {
+        let of_group = |group: &&str| Self {
+            expression: format!("C.*<[LOB].'@{group}'>"),
+            name: format!("{GROUP_PREFIX}{group}"),
+        };
+        let rest = Self { name: UNGROUPED.into(), expression: "C.*<[LOB].'@'>".into() };
+        groups.iter().map(of_group).chain([rest]).collect()
+    }
+}
+
+/// The labels that the expressions of layers name, each once.
+pub(crate) fn labels_of(layers: &[LightLayer]) -> Result<Vec<String>, ExpressionError> {
+    let mut labels = Vec::new();
+    for layer in layers {
+        labels_in(&parse(&layer.expression)?, &mut labels);
+    }
+    labels.sort_unstable();
+    labels.dedup();
+    Ok(labels)
+}
+
+/// Checks that layers can be rendered, whatever the scene is.
+pub(crate) fn check(layers: &[LightLayer]) -> Result<(), ExpressionError> {
+    let labels = labels_of(layers)?;
+    let fault = |problem: String| ExpressionError { expression: String::new(), position: None, problem };
+    if labels.len() > MOST_LABELS {
+        return Err(fault(format!("{} labels; at most {MOST_LABELS} are distinguished", labels.len())));
+    }
+    if layers.len() > MOST_LAYERS {
+        return Err(fault(format!("{} layers of light; at most {MOST_LAYERS}", layers.len())));
+    }
+    let expressions: Vec<&str> = layers.iter().map(|layer| &layer.expression[..]).collect();
+    Automaton::new(&expressions, &Alphabet::new(labels, vec![0], vec![0])).map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_sound() {
+        for word in LightLayer::words() {
+            let layer = LightLayer::of_word(word).expect("a word");
+            assert_eq!(LightLayer::new(word, layer.expression.clone()), Ok(layer), "{word}");
+        }
+        let groups = LightLayer::of_groups(&["key", "fill"]);
+        assert_eq!(check(&groups), Ok(()), "all groups");
+        assert_eq!(labels_of(&groups).expect("sound"), ["@", "@fill", "@key"], "their labels");
+        assert!(LightLayer::new("x", "C<RD").is_err() && LightLayer::of_word("beauty").is_none(), "faults");
+    }
+}

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Names and groups of what gives off light, and of materials, for light path expressions.
+//! Lights are in the order of a light set: points, spots, directional lights.
+//! Tests: crates/render/tests/light_layers.rs.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use gnurt_scene::labels::{LightLinks, Shining};
+use gnurt_scene::{InstanceId, Light, LightId, MaterialId, Scene};
+
+use crate::mattes::id_of_material;
+
+/// Names of one thing, and the group of its light.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Names {
+    pub(crate) name: String,
+    pub(crate) group: Option<String>,
+    pub(crate) links: Option<LightLinks>,
+}
+
+impl Names {
+    /// Whether it has this name, or a path that ends so.
+    pub(crate) fn is(&self, name: &str) -> bool {
+        self.name == name || self.name.rsplit('/').next() == Some(name).filter(|name| !name.is_empty())
+    }
+}
+
+/// The labels of a world.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct WorldLabels {
+    /// By material id.
+    pub(crate) materials: Vec<Names>,
+    /// Their ids of mattes.
+    pub(crate) material_mattes: Vec<u32>,
+    /// Lights without a surface, but the environment.
+    pub(crate) lights: Vec<Names>,
+    pub(crate) environment: Names,
+    /// Instances with an emissive mesh, by id.
+    pub(crate) instances: BTreeMap<u32, Names>,
+    /// Instances that leave a hole in the picture.
+    pub(crate) holdouts: BTreeSet<u32>,
+    /// Whether any has links.
+    pub(crate) has_links: bool,
+}
+
+impl WorldLabels {
+    /// `order`: the lights as a light set has them; `emissive`: the instances with an emissive mesh.
+    pub(super) fn new(scene: &Scene, order: &[LightId], emissive: &[u32]) -> Self {
+        let labels = scene.labels();
+        let group = |shining| labels.light_groups.get(&shining).cloned();
+        let links = |shining| labels.light_links.get(&shining).cloned();
+        let of_light = |&id: &LightId| Names {
+            name: labels.lights.get(&id).cloned().unwrap_or_else(|| id.0.to_string()),
+            group: group(Shining::Light(id)),
+            links: links(Shining::Light(id)),
+        };
+        let is_environment = |light: &Light| matches!(light, Light::Environment { .. });
+        let environment = scene.lights().iter().rposition(is_environment).map(|id| LightId(id as u32));
+        let materials = (0..).zip(scene.materials()).map(|(id, material)| Names {
+            name: material.name.clone(),
+            group: group(Shining::Material(MaterialId(id))),
+            links: links(Shining::Material(MaterialId(id))),
+        });
+        let instances = emissive.iter().map(|&id| {
+            let name = scene.instances()[id as usize].name.clone();
+            let shining = Shining::Instance(InstanceId(id));
+            (id, Names { name, group: group(shining), links: links(shining) })
+        });
+        let mattes = (0..).zip(scene.materials()).map(|(id, material)| id_of_material(&material.name, id));
+        Self {
+            materials: materials.collect(),
+            material_mattes: mattes.collect(),
+            lights: order.iter().map(of_light).collect(),
+            environment: environment.as_ref().map(of_light).unwrap_or_default(),
+            instances: instances.collect(),
+            holdouts: labels.holdouts.iter().map(|id| id.0).collect(),
+            has_links: !labels.light_links.is_empty(),
+        }
+    }
+}
