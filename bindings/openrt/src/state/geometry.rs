@@ -275,15 +275,13 @@ impl Part {
             attributes.push(Attribute { name, rate: Rate::Triangle, components: 1, data });
         }
         let mut mesh = Mesh {
-            name: String::new(),
             positions: self.positions,
             normals: self.normals,
             texcoords: self.texcoords,
-            tangents: Vec::new(),
             colors: self.colors,
             indices: self.indices,
-            material: Default::default(),
             attributes,
+            ..Mesh::default()
         };
         mesh.drop_unused_vertices();
         ShaderMesh { shader: self.shader, mesh }
