@@ -162,7 +162,7 @@ pub(crate) enum NewLight {
     Light(Light),
     Around(Surroundings, [f32; 3], f64),
     /// A sky that a shader makes.
-    Script(Script, [f32; 3], f64),
+    Script(Box<Script>, [f32; 3], f64),
     /// A latitude-longitude picture, and its factors.
     Texture(Texture, [f32; 3], [f32; 3], f64),
 }
@@ -202,7 +202,7 @@ pub(crate) fn light(kind: &str, given: &mut Given, pictures: &dyn Pictures) -> P
             let up = given.numbers("up")?.unwrap_or([0.0, 1.0, 0.0]);
             let turn_degrees = given.number("turn", -MOST, MOST)?.unwrap_or(0.0);
             if let Some(script) = script(given, pictures)? {
-                return Ok(NewLight::Script(script, up, turn_degrees));
+                return Ok(NewLight::Script(Box::new(script), up, turn_degrees));
             }
             let texture = given.whole("texture", 0, u64::from(u32::MAX))?;
             let sky = given.text("sky")?;

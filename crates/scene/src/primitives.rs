@@ -12,7 +12,7 @@ pub enum Primitives {
     #[default]
     Triangles,
     /// Curves with a width.
-    Curves(Curves),
+    Curves(Box<Curves>),
     /// A sphere around each vertex, of the vertex's radius in object space.
     Spheres(Vec<f32>),
 }
@@ -64,7 +64,8 @@ impl Primitives {
     pub(crate) fn memory_bytes(&self) -> usize {
         match self {
             Self::Triangles => 0,
-            Self::Curves(Curves { radii, segments, spans, .. }) => {
+            Self::Curves(curves) => {
+                let Curves { radii, segments, spans, .. } = &**curves;
                 size_of_val(&radii[..]) + size_of_val(&segments[..]) + size_of_val(&spans[..])
             }
             Self::Spheres(radii) => size_of_val(&radii[..]),
@@ -196,7 +197,7 @@ mod tests {
     #[test]
     fn faults_are_named() {
         let curves = Curves::of_strands(CurveBasis::BSpline, CurveForm::Round, [4]);
-        let primitives = Primitives::Curves(Curves { radii: vec![0.1; 4], ..curves });
+        let primitives = Primitives::Curves(Box::new(Curves { radii: vec![0.1; 4], ..curves }));
         let good = Mesh { positions: vec![[0.0; 3]; 4], primitives, ..Mesh::default() };
         good.check().expect("good so far");
         assert_eq!(good.corners(0), Some([1, 2, 1]), "between the middle vertices");

@@ -227,7 +227,7 @@ impl Builder<'_> {
             }
             mesh.colors.clear();
         }
-        mesh.primitives = Primitives::Curves(curves);
+        mesh.primitives = Primitives::Curves(Box::new(curves));
         Some(mesh)
     }
 }

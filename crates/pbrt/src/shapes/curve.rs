@@ -120,7 +120,7 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
             }
         }
     }
-    mesh.primitives = Primitives::Curves(curves);
+    mesh.primitives = Primitives::Curves(Box::new(curves));
     reading.access.budget.release(bytes);
     Ok(mesh)
 }
