@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Threads of a build. Invariant: the result is the same for any number of threads.
 //!
-//! Loops over pieces, pairs of jobs and runs on a pool go through one function each that is not generic: what the
-//! library does to share work would be compiled again for each of them, and was a third of what the builders compiled to.
+//! Loops over pieces, pairs of jobs and runs on a pool go through one function each that is not generic. Otherwise the
+//! library's code to share work is compiled again for each of them: it was a third of the builders' code.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

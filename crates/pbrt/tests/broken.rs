@@ -115,8 +115,8 @@ fn packed_files_are_read_and_bombs_are_not() {
 #[test]
 fn what_is_lacking_is_told_once() {
     let text = "MakeNamedMedium \"fog\" \"string type\" \"cloud\"\nMediumInterface \"fog\" \"\"\n\
-        Material \"hair\"\nShape \"sphere\"\nMaterial \"measured\" \"string filename\" \"x.bsdf\"\nShape \"sphere\" \"float size\" 3\n";
-    let expected = ["`cloud`", "\"hair\"", "\"measured\"", "\"float size\" of Shape"];
+        Material \"measured\" \"string filename\" \"x.bsdf\"\nShape \"sphere\" \"float size\" 3\n";
+    let expected = ["`cloud`", "\"measured\"", "\"float size\" of Shape"];
     let loaded = world_warned(text, &expected);
     let first = loaded.warnings.iter().next().map(ToString::to_string).unwrap_or_default();
     assert!(first.contains("t.pbrt:2: "), "{first}");

@@ -10,6 +10,7 @@ mod bumps;
 mod checkpoint;
 mod commit;
 mod common;
+mod curves;
 mod determinism;
 mod edits;
 mod filtering;

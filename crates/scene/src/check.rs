@@ -4,6 +4,7 @@
 //! Cost: one pass over the indices. Tests: `tests::finds_each_mistake`.
 
 use crate::mesh::{Mesh, Rate};
+use crate::primitives::{CurveForm, Primitives};
 use crate::scene::Scene;
 
 /// A mistake in a description, made by the caller.
@@ -54,6 +55,38 @@ impl Mesh {
         }
         Ok(())
     }
+
+    /// The first fault of its curves or spheres.
+    fn check_primitives(&self) -> Result<(), String> {
+        let vertices = self.positions.len();
+        let radii = match &self.primitives {
+            Primitives::Triangles => return Ok(()),
+            Primitives::Curves(curves) => &curves.radii,
+            Primitives::Spheres(radii) => radii,
+        };
+        if !self.indices.is_empty() {
+            return Err("triangles beside curves or spheres: they need a mesh of their own".to_owned());
+        }
+        if radii.len() != vertices {
+            return Err(format!("{} radii for {vertices} vertices", radii.len()));
+        }
+        let Primitives::Curves(curves) = &self.primitives else { return Ok(()) };
+        if curves.form == CurveForm::Oriented && self.normals.len() != vertices {
+            return Err(format!("{} normals of oriented curves for {vertices} vertices", self.normals.len()));
+        }
+        if !curves.spans.is_empty() && curves.spans.len() != curves.segments.len() {
+            return Err(format!("{} spans for {} segments", curves.spans.len(), curves.segments.len()));
+        }
+        let order = curves.basis.order();
+        let is_bad = |&first: &u32| first as usize + order > vertices;
+        match curves.segments.iter().position(is_bad) {
+            Some(bad) => Err(format!(
+                "segment {bad} begins at vertex {} and takes {order}, but there are {vertices}",
+                curves.segments[bad]
+            )),
+            None => Ok(()),
+        }
+    }
 }
 
 impl Scene {
@@ -103,6 +136,7 @@ mod tests {
     use super::*;
     use crate::id::{MaterialId, MeshId, ObjectId, TextureId};
     use crate::material::{Material, TextureRef};
+    use crate::primitives::{CurveBasis, Curves};
     use crate::{Affine, Attribute};
 
     fn good() -> Mesh {
@@ -149,5 +183,27 @@ mod tests {
         scene.add_material(material);
         let error = scene.check().expect_err("no such texture");
         assert_eq!(error.to_string(), "material 0 (lamp): texture 4 does not exist", "place and problem");
+    }
+
+    #[test]
+    fn faults_of_curves_are_named() {
+        let curves = Curves::of_strands(CurveBasis::BSpline, CurveForm::Round, [4]);
+        let primitives = Primitives::Curves(Box::new(Curves { radii: vec![0.1; 4], ..curves }));
+        let good = Mesh { positions: vec![[0.0; 3]; 4], primitives, ..Mesh::default() };
+        good.check().expect("good so far");
+        assert_eq!(good.corners(0), Some([1, 2, 1]), "between the middle vertices");
+        let bad = |edit: fn(&mut Mesh)| {
+            let mut mesh = good.clone();
+            edit(&mut mesh);
+            mesh.check().expect_err("a mistake")
+        };
+        assert!(bad(|m| _ = m.positions.pop()).contains("4 radii for 3 vertices"), "radii");
+        assert!(bad(|m| m.indices.push([0; 3])).contains("mesh of their own"), "triangles");
+        let segment = |m: &mut Mesh| {
+            let Primitives::Curves(curves) = &mut m.primitives else { return };
+            curves.segments[0] = 1;
+        };
+        assert!(bad(segment).contains("segment 0 begins at vertex 1 and takes 4"), "a segment");
+        assert!(bad(|m| m.primitives = Primitives::Spheres(vec![1.0])).contains("1 radii"), "spheres");
     }
 }

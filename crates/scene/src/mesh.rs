@@ -82,6 +82,38 @@ impl Mesh {
         self.attributes.iter().find(is_it).map_or(&[], |attribute| &attribute.data)
     }
 
+    /// How many primitives it has.
+    #[must_use]
+    pub fn primitive_count(&self) -> usize {
+        match &self.primitives {
+            Primitives::Triangles => self.indices.len(),
+            Primitives::Curves(curves) => curves.segments.len(),
+            Primitives::Spheres(radii) => radii.len(),
+        }
+    }
+
+    /// Whether it is made of triangles.
+    #[must_use]
+    pub fn has_triangles(&self) -> bool {
+        self.primitives == Primitives::Triangles
+    }
+
+    /// The vertices whose values a primitive mixes, by the weights `1 - u - v`, `u` and `v` of a hit. Along a segment values
+    /// change with `u` alone. `None` if there is no such primitive.
+    #[must_use]
+    #[inline]
+    pub fn corners(&self, prim_id: usize) -> Option<[usize; 3]> {
+        match &self.primitives {
+            Primitives::Triangles => Some(self.indices.get(prim_id)?.map(|i| i as usize)),
+            Primitives::Curves(curves) => {
+                let first = *curves.segments.get(prim_id)?;
+                let [a, b] = curves.basis.ends().map(|i| (first + i) as usize);
+                Some([a, b, a])
+            }
+            Primitives::Spheres(_) => Some([prim_id; 3]),
+        }
+    }
+
     /// Bytes that its arrays hold.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {

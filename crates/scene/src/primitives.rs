@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Curves and spheres over the vertices of a mesh, in place of triangles: hair, grass, wires, particles.
 //! Space: object. Invariant: after `Scene::check` there is a radius for each vertex, and each segment has all of its vertices.
-//! Tests: `tests`; crates/render/tests/curves.rs.
-
-use crate::mesh::Mesh;
+//! Tests: `tests`, those of `check`; crates/render/tests/curves.rs.
 
 /// The surfaces that vertices make.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,7 +20,7 @@ pub enum Primitives {
 pub struct Curves {
     /// How vertices make points.
     pub basis: CurveBasis,
-    /// What a ray sees.
+    /// Their surface.
     pub form: CurveForm,
     /// By vertex, at least 0, in object space. A sphere or a curve of radius 0 is not shown.
     pub radii: Vec<f32>,
@@ -47,7 +45,7 @@ pub enum CurveBasis {
     CatmullRom,
 }
 
-/// What a ray sees of a curve.
+/// The surface of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CurveForm {
     /// A ribbon that faces each ray, shaded as the tube that it stands for: for hair thinner than a pixel.
@@ -81,7 +79,7 @@ impl CurveBasis {
     }
 
     /// Of those, the ones between which values of vertices change over the segment.
-    fn ends(self) -> [u32; 2] {
+    pub(crate) fn ends(self) -> [u32; 2] {
         match self {
             Self::Linear => [0, 1],
             Self::Bezier => [0, 3],
@@ -112,72 +110,6 @@ impl Curves {
     }
 }
 
-impl Mesh {
-    /// How many primitives it has.
-    #[must_use]
-    pub fn primitive_count(&self) -> usize {
-        match &self.primitives {
-            Primitives::Triangles => self.indices.len(),
-            Primitives::Curves(curves) => curves.segments.len(),
-            Primitives::Spheres(radii) => radii.len(),
-        }
-    }
-
-    /// Whether it is made of triangles.
-    #[must_use]
-    pub fn has_triangles(&self) -> bool {
-        self.primitives == Primitives::Triangles
-    }
-
-    /// The vertices whose values a primitive mixes, by the weights `1 - u - v`, `u` and `v` of a hit. Along a segment values
-    /// change with `u` alone. `None` if there is no such primitive.
-    #[must_use]
-    #[inline]
-    pub fn corners(&self, prim_id: usize) -> Option<[usize; 3]> {
-        match &self.primitives {
-            Primitives::Triangles => Some(self.indices.get(prim_id)?.map(|i| i as usize)),
-            Primitives::Curves(curves) => {
-                let first = *curves.segments.get(prim_id)?;
-                let [a, b] = curves.basis.ends().map(|i| (first + i) as usize);
-                Some([a, b, a])
-            }
-            Primitives::Spheres(_) => Some([prim_id; 3]),
-        }
-    }
-
-    /// The first fault of its curves or spheres.
-    pub(crate) fn check_primitives(&self) -> Result<(), String> {
-        let vertices = self.positions.len();
-        let radii = match &self.primitives {
-            Primitives::Triangles => return Ok(()),
-            Primitives::Curves(curves) => &curves.radii,
-            Primitives::Spheres(radii) => radii,
-        };
-        if !self.indices.is_empty() {
-            return Err("triangles beside curves or spheres: they need a mesh of their own".to_owned());
-        }
-        if radii.len() != vertices {
-            return Err(format!("{} radii for {vertices} vertices", radii.len()));
-        }
-        let Primitives::Curves(curves) = &self.primitives else { return Ok(()) };
-        if curves.form == CurveForm::Oriented && self.normals.len() != vertices {
-            return Err(format!("{} normals of oriented curves for {vertices} vertices", self.normals.len()));
-        }
-        if !curves.spans.is_empty() && curves.spans.len() != curves.segments.len() {
-            return Err(format!("{} spans for {} segments", curves.spans.len(), curves.segments.len()));
-        }
-        let order = curves.basis.order();
-        let is_bad = |&first: &u32| first as usize + order > vertices;
-        match curves.segments.iter().position(is_bad) {
-            Some(bad) => Err(format!(
-                "segment {bad} begins at vertex {} and takes {order}, but there are {vertices}",
-                curves.segments[bad]
-            )),
-            None => Ok(()),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,27 +124,5 @@ mod tests {
         assert_eq!(of(CurveBasis::BSpline, &[6, 4]), [0, 1, 2, 6], "one vertex further each");
         let curves = Curves::of_strands(CurveBasis::Linear, CurveForm::Flat, [3]);
         assert_eq!(curves.spans, [[0.0, 0.5], [0.5, 1.0]], "from root to tip");
-    }
-
-    #[test]
-    fn faults_are_named() {
-        let curves = Curves::of_strands(CurveBasis::BSpline, CurveForm::Round, [4]);
-        let primitives = Primitives::Curves(Box::new(Curves { radii: vec![0.1; 4], ..curves }));
-        let good = Mesh { positions: vec![[0.0; 3]; 4], primitives, ..Mesh::default() };
-        good.check().expect("good so far");
-        assert_eq!(good.corners(0), Some([1, 2, 1]), "between the middle vertices");
-        let bad = |edit: fn(&mut Mesh)| {
-            let mut mesh = good.clone();
-            edit(&mut mesh);
-            mesh.check().expect_err("a mistake")
-        };
-        assert!(bad(|m| _ = m.positions.pop()).contains("4 radii for 3 vertices"), "radii");
-        assert!(bad(|m| m.indices.push([0; 3])).contains("mesh of their own"), "triangles");
-        let segment = |m: &mut Mesh| {
-            let Primitives::Curves(curves) = &mut m.primitives else { return };
-            curves.segments[0] = 1;
-        };
-        assert!(bad(segment).contains("segment 0 begins at vertex 1 and takes 4"), "a segment");
-        assert!(bad(|m| m.primitives = Primitives::Spheres(vec![1.0])).contains("1 radii"), "spheres");
     }
 }
