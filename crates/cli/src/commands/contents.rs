@@ -69,7 +69,8 @@ pub(super) fn occurrences(scene: &Scene) -> Vec<Value> {
     let labels = scene.labels();
     let is_mesh = |found: &Occurrence<'_>| {
         let luminaire = labels.luminaires.get(&found.instance);
-        !found.object.meshes.is_empty() && luminaire.is_none_or(|&luminaire| luminaire == Luminaire::Mesh)
+        let has_triangles = found.object.meshes.iter().any(|&id| scene.mesh(id).has_triangles());
+        has_triangles && luminaire.is_none_or(|&luminaire| luminaire == Luminaire::Mesh)
     };
     let mut left = MOST_TRIANGLES;
     let shown = scene.occurrences().filter(is_mesh).take(MOST_OCCURRENCES);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use gnurt::defaults::{Bounds, bounds_of};
 use gnurt::render::{CommitOptions, ShaderTable, World, WorldStats};
 use gnurt::scene::animation::Clip;
-use gnurt::scene::{Animation, Light, Mesh, Scene};
+use gnurt::scene::{Animation, Light, Mesh, Primitives, Scene};
 use gnurt_view::camera_options;
 use serde_json::{Value, json};
 
@@ -67,6 +67,9 @@ fn build(scene: &Scene, arguments: &InfoArguments, environment: &Environment) ->
 /// Counts.
 struct Inventory {
     triangles: usize,
+    /// Segments of curves, and spheres.
+    curves: usize,
+    spheres: usize,
     instanced: usize,
     emitting: usize,
     vertices: usize,
@@ -83,7 +86,13 @@ impl Inventory {
         let of_objects = scene.unfolded_triangles().unwrap_or_default();
         let of_instances =
             scene.instances().iter().filter_map(|instance| of_objects.get(instance.object.index()));
+        let count = |is: fn(&Primitives) -> bool| {
+            let some = meshes.iter().filter(|mesh| is(&mesh.primitives));
+            some.map(|mesh| mesh.primitive_count()).sum()
+        };
         Self {
+            curves: count(|primitives| matches!(primitives, Primitives::Curves(_))),
+            spheres: count(|primitives| matches!(primitives, Primitives::Spheres(_))),
             triangles: meshes.iter().map(|mesh| mesh.indices.len()).sum(),
             instanced: of_instances.fold(0, |sum: u64, count| sum.saturating_add(*count)) as usize,
             emitting: meshes.iter().filter(emits).map(|mesh| mesh.indices.len()).sum(),
@@ -98,6 +107,8 @@ impl Inventory {
         let mut report = json!({
             "scene": name,
             "triangles": self.triangles,
+            "curves": self.curves,
+            "spheres": self.spheres,
             "instanced_triangles": self.instanced,
             "vertices": self.vertices,
             "meshes": scene.meshes().len(),
@@ -145,6 +156,11 @@ impl Inventory {
         };
         row("scene", name.to_owned());
         row("triangles", format!("{} ({} with instances)", self.triangles, self.instanced));
+        for (name, count) in [("curves", self.curves), ("spheres", self.spheres)] {
+            if count > 0 {
+                row(name, count.to_string());
+            }
+        }
         row("vertices", self.vertices.to_string());
         row("meshes", scene.meshes().len().to_string());
         row("objects", scene.objects().len().to_string());

@@ -85,8 +85,8 @@ impl Writer<'_> {
     }
 
     fn contents(&self, object: &Object, text: &mut Text) {
-        for &id in &object.meshes {
-            self.mesh(self.scene.mesh(id), text);
+        for mesh in object.meshes.iter().map(|&id| self.scene.mesh(id)).filter(|mesh| mesh.has_triangles()) {
+            self.mesh(mesh, text);
         }
         for member in &object.members {
             self.write_instance(

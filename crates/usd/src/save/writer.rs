@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use gnurt_scene::io::writer::{
-    check_writable, encode_texture, leave_out, measures, of_layer_textures, of_texcoords, write,
+    check_writable, encode_texture, leave_out, measures, of_layer_textures, of_primitives, of_texcoords, write,
 };
 use gnurt_scene::io::{Error, SceneWriter, Warnings};
 use gnurt_scene::texture::TexelData;
@@ -61,6 +61,7 @@ fn leave_out_rest(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     materials::leave_out_layers(scene, path, warnings);
     of_layer_textures(scene, path, warnings);
     of_texcoords(scene, path, warnings);
+    of_primitives(scene, path, warnings);
 }
 
 /// The files of textures.
