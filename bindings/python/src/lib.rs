@@ -5,6 +5,7 @@
 mod answers;
 mod arrays;
 mod described_mesh;
+mod described_strands;
 mod describing;
 mod double_answers;
 mod double_trees;

@@ -18,6 +18,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{Numbers, transform};
 use crate::described_mesh::DescribedMesh;
+use crate::described_strands::strands;
 use crate::describing::{self, NewMaterial};
 use crate::given::Given;
 use crate::lights;
@@ -210,21 +211,14 @@ impl Scene {
     fn _add_mesh(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
         let mut given = Given::new(arguments);
         let described = DescribedMesh::new(py, &mut given)?;
-        let mask = given.words("rays", &RAYS)?;
-        given.end()?;
-        let at = described.placement.map_or(Affine::IDENTITY, |columns| Affine { columns });
-        self.with(py, |stage| {
-            let (name, meshes) = (described.name.clone(), placed(stage, described)?);
-            Ok(stage.edit(|scene| {
-                let meshes = meshes.iter().map(|mesh| scene.add_mesh(mesh.clone())).collect();
-                let object = scene.add_object_of(&name[..], meshes);
-                let id = scene.instantiate(object, at);
-                if let Some(mask) = mask {
-                    scene.edit_instance(id).mask = RayMask(mask);
-                }
-                id.0
-            }))
-        })
+        self.show(py, given, described)
+    }
+
+    /// Curves, or spheres.
+    fn _add_strands(&self, py: Python<'_>, has_curves: bool, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
+        let mut given = Given::new(arguments);
+        let described = strands(&mut given, has_curves)?;
+        self.show(py, given, described)
     }
 
     /// Replaces the meshes of an instance's object, for all instances of it.
@@ -460,6 +454,27 @@ impl Scene {
 }
 
 /// Meshes with the numbers of their materials, checked.
+impl Scene {
+    /// Shows a described mesh, whose last arguments are read here.
+    fn show(&self, py: Python<'_>, mut given: Given, described: DescribedMesh) -> PyResult<u32> {
+        let mask = given.words("rays", &RAYS)?;
+        given.end()?;
+        let at = described.placement.map_or(Affine::IDENTITY, |columns| Affine { columns });
+        self.with(py, |stage| {
+            let (name, meshes) = (described.name.clone(), placed(stage, described)?);
+            Ok(stage.edit(|scene| {
+                let meshes = meshes.iter().map(|mesh| scene.add_mesh(mesh.clone())).collect();
+                let object = scene.add_object_of(&name[..], meshes);
+                let id = scene.instantiate(object, at);
+                if let Some(mask) = mask {
+                    scene.edit_instance(id).mask = RayMask(mask);
+                }
+                id.0
+            }))
+        })
+    }
+}
+
 fn placed(stage: &mut Stage, described: DescribedMesh) -> PyResult<Vec<Arc<gnurt::scene::Mesh>>> {
     let materials = match &described.materials {
         Some(numbers) => {

@@ -135,6 +135,69 @@ class Scene(_Scene):
         }
         return self._add_mesh(_mesh(vertices, faces, given))
 
+    def add_curves(
+        self,
+        vertices,
+        radii,
+        *,
+        counts=None,
+        basis="bspline",
+        form="round",
+        normals=None,
+        texcoords=None,
+        colors=None,
+        name=None,
+        material=None,
+        transform=None,
+        rays=None,
+    ):
+        """The number of new curves with a width, put in their place: hair, grass, wires.
+
+        vertices (n, 3) and radii, (n,) or one number, go strand by strand; counts says how many each strand has, and its absence that all
+        are one. basis: "linear", "bezier", "bspline", "catmull-rom". form: "flat" ribbons face each ray, "round" ones are tubes,
+        "oriented" ones lie across normals (n, 3). texcoords (n, 2), colors (n, 4). Other arguments as of `add_mesh`.
+        """
+        given = {
+            "vertices": vertices,
+            "radii": radii,
+            "counts": counts,
+            "basis": basis,
+            "form": form,
+            "normals": normals,
+            "texcoords": texcoords,
+            "colors": colors,
+            "name": name,
+            "material": material,
+            "transform": transform,
+            "rays": rays,
+        }
+        return self._add_strands(True, given)
+
+    def add_points(
+        self,
+        vertices,
+        radii,
+        *,
+        texcoords=None,
+        colors=None,
+        name=None,
+        material=None,
+        transform=None,
+        rays=None,
+    ):
+        """The number of new spheres around vertices (n, 3) of these radii, (n,) or one number. Other arguments as of `add_curves`."""
+        given = {
+            "vertices": vertices,
+            "radii": radii,
+            "texcoords": texcoords,
+            "colors": colors,
+            "name": name,
+            "material": material,
+            "transform": transform,
+            "rays": rays,
+        }
+        return self._add_strands(False, given)
+
     def set_mesh(
         self,
         instance,

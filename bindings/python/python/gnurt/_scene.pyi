@@ -83,6 +83,34 @@ class Scene:
         transform: ArrayLike | None = None,
         rays: Sequence[str] | None = None,
     ) -> int: ...
+    def add_curves(
+        self,
+        vertices: ArrayLike,
+        radii: ArrayLike,
+        *,
+        counts: Sequence[int] | None = None,
+        basis: str = "bspline",
+        form: str = "round",
+        normals: ArrayLike | None = None,
+        texcoords: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        name: str | None = None,
+        material: int | None = None,
+        transform: ArrayLike | None = None,
+        rays: Sequence[str] | None = None,
+    ) -> int: ...
+    def add_points(
+        self,
+        vertices: ArrayLike,
+        radii: ArrayLike,
+        *,
+        texcoords: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        name: str | None = None,
+        material: int | None = None,
+        transform: ArrayLike | None = None,
+        rays: Sequence[str] | None = None,
+    ) -> int: ...
     def set_mesh(
         self,
         instance: int,

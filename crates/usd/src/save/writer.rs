@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use gnurt_scene::io::writer::{
-    check_writable, encode_texture, leave_out, measures, of_layer_textures, of_primitives, of_texcoords, write,
+    check_writable, encode_texture, leave_out, measures, of_layer_textures, of_primitives, of_texcoords,
+    write,
 };
 use gnurt_scene::io::{Error, SceneWriter, Warnings};
 use gnurt_scene::texture::TexelData;
