@@ -75,6 +75,24 @@ pub fn map<T: Send>(parallel: bool, count: usize, job: impl Fn(usize) -> T + Syn
     results.into_iter().map(|result| result.expect("each job ran")).collect()
 }
 
+/// As [`map`], for jobs that need something made before: each thread makes one, and uses it for all of its jobs.
+pub fn map_with<S: Send, T: Send>(
+    parallel: bool,
+    count: usize,
+    make: impl Fn() -> S + Sync,
+    job: impl Fn(&mut S, usize) -> T + Sync,
+) -> Vec<T> {
+    let spare = Mutex::new(Vec::new());
+    let lock = || spare.lock().unwrap_or_else(PoisonError::into_inner);
+    map(parallel, count, |i| {
+        let made = lock().pop();
+        let mut made = made.unwrap_or_else(&make);
+        let result = job(&mut made, i);
+        lock().push(made);
+        result
+    })
+}
+
 /// A slice in pieces, each for one of the jobs above.
 pub struct Pieces<'a, T>(Vec<Mutex<&'a mut [T]>>);
 

@@ -229,6 +229,7 @@ mod target;
 
 pub use crowd::Crowd;
 pub use facing::Face;
+pub use gnurt_accel_core::threads;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, CurveBasis,
     CurveForm, Curves, Discs, Geometry, GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval,

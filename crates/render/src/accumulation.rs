@@ -9,9 +9,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use gnurt_accel::threads::{self, Pieces};
 use gnurt_image::{Picture, heat_map};
 use gnurt_shading::CameraShader;
-use rayon::prelude::*;
 
 use crate::bands::{ColorBand, FilmBand};
 use crate::error::RenderError;
@@ -260,8 +260,11 @@ impl Accumulation {
                 };
                 of_tiles
             } else {
-                let render = |tracer: &mut BatchTracer, tile| render_tile(&sampler, tile, tracer, done);
-                pool.install(|| self.tiles.par_iter_mut().map_init(|| sampler.tracer(), render).collect())
+                let tiles = Pieces::new(&mut self.tiles, 1);
+                let render = |tracer: &mut BatchTracer, n: usize| {
+                    render_tile(&sampler, &mut tiles.lock(n)[0], tracer, done)
+                };
+                pool.install(|| threads::map_with(true, tiles.count(), || sampler.tracer(), render))
             };
             of_tiles.iter().for_each(|tile| self.stats.add(tile));
         }
@@ -323,12 +326,12 @@ impl Accumulation {
     /// Writes the colours of [`picture`](Self::picture) into memory of the caller, row by row from the upper left
     /// pixel, on the threads of `pool`. Pixels outside of the region, and those beyond the end of `out`, stay as they are.
     pub fn write_colors(&self, out: &mut [[f32; 4]], pool: &rayon::ThreadPool) {
-        let bands = self.color_bands(out);
-        pool.install(|| {
-            bands.into_par_iter().for_each(|band| {
-                band.write();
-            });
-        });
+        let mut bands: Vec<Option<ColorBand>> = self.color_bands(out).into_iter().map(Some).collect();
+        let bands = Pieces::new(&mut bands, 1);
+        let write = |n: usize| {
+            bands.lock(n)[0].take().map(ColorBand::write);
+        };
+        pool.install(|| threads::for_each(true, bands.count(), &write));
     }
 
     /// The same in bands, from top to bottom, so that the caller can process each band while it is in the
@@ -418,17 +421,17 @@ fn add_interleaved(
     n: u32,
     pool: &rayon::ThreadPool,
 ) -> Option<Vec<RenderStats>> {
-    let take = |tracer: &mut BatchTracer, tile: &TileFilm| {
-        (!sampler.job.should_stop()).then(|| sampler.split_sample(tile, tracer, sample))
+    let take = |tracer: &mut BatchTracer, n: usize| {
+        (!sampler.job.should_stop()).then(|| sampler.split_sample(&tiles[n], tracer, sample))
     };
-    let taken: Option<Vec<SplitLight>> =
-        pool.install(|| tiles.par_iter().map_init(|| sampler.tracer(), take).collect());
-    let taken = taken?;
+    let taken = pool.install(|| threads::map_with(true, tiles.len(), || sampler.tracer(), take));
+    let taken: Vec<SplitLight> = taken.into_iter().collect::<Option<_>>()?;
     let rects: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.rect).collect();
     let visible = rects.iter().zip(taken.iter().map(|split| split.texels.as_slice()));
     let visible = PatternTexels::new(visible, region, film::tile_size(sampler.job.options), n);
-    let add = |tracer: &mut BatchTracer, (tile, split): (&mut TileFilm, &SplitLight)| {
-        sampler.add_split(tile, tracer, sample, split, &visible)
+    let tiles = Pieces::new(tiles, 1);
+    let add = |tracer: &mut BatchTracer, n: usize| {
+        sampler.add_split(&mut tiles.lock(n)[0], tracer, sample, &taken[n], &visible)
     };
-    Some(pool.install(|| tiles.par_iter_mut().zip(&taken).map_init(|| sampler.tracer(), add).collect()))
+    Some(pool.install(|| threads::map_with(true, tiles.count(), || sampler.tracer(), add)))
 }

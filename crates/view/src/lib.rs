@@ -4,8 +4,9 @@
 //!
 //! Flow: window events -> [`Input`] -> [`Controls`] (pure) -> request -> render thread -> bytes of the screen
 //! -> window. The renderer does not depend on it; only `window` depends on displays, and display libraries
-//! are opened only with a window.
+//! are opened only with a window, and compiled only with the feature `window`.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(feature = "window"), expect(dead_code, reason = "half of it serves windows alone"))]
 
 mod camera_options;
 mod controls;
@@ -32,6 +33,7 @@ mod temporal_filter;
 mod tev;
 mod text;
 mod watch;
+#[cfg(feature = "window")]
 mod window;
 
 pub use camera_options::camera_options;
@@ -49,4 +51,5 @@ pub use shader_controls::{ShaderControl, ShaderControls};
 pub use shown::Shown;
 pub use stage::{Faults, Listener, Loader, Stage};
 pub use tev::{TevAddress, TevImage};
+#[cfg(feature = "window")]
 pub use window::{WindowOptions, run_window};

@@ -120,6 +120,8 @@ pub(crate) fn install_at(locations: &Locations) -> Result<(), Failure> {
                 "gnurt-embree",
                 "--package",
                 "gnurt-anari",
+                "--features",
+                "gnurt-cli/window",
             ];
             command::run(command::cargo().args(["build", "--release"]).args(packages))?;
             workspace.target.join("release")

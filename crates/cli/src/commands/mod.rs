@@ -19,6 +19,9 @@ mod pieces;
 pub(crate) mod relight;
 pub(crate) mod render;
 pub(crate) mod scenes;
+mod stage;
 mod times;
 pub(crate) mod trace;
 pub(crate) mod view;
+#[cfg(feature = "window")]
+mod window;

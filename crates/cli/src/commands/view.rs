@@ -2,32 +2,24 @@
 //! `gnurt view SCENE`: a window to fly through a scene; with `--headless` or `--display` frames without a window.
 //! Tests: `tests/program/viewing.rs`, `tests/program/window.rs`.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
 use gnurt::ThreadPool;
-use gnurt::display_rules::{is_noisy, meter};
 use gnurt::image::Picture;
-use gnurt::render::RenderOptions;
 use gnurt::simd::Level;
-use gnurt_view::{
-    Exposure, FrameTimes, HeadlessOptions, Listener, Rest, Stage, TevImage, ViewError, WindowOptions,
-    run_headless, run_window,
-};
+use gnurt_view::{Exposure, FrameTimes, HeadlessOptions, Rest, TevImage, ViewError, run_headless};
 use serde_json::json;
 
-use super::frame::{commit, commit_options, frame_options};
-use crate::arguments::{DisplayOptions, ExposureChoice, LightArguments, StatisticsForm, WindowArguments};
-use crate::clips::clip;
+use super::frame::frame_options;
+use super::stage::{prepare, show_view};
+use crate::arguments::{DisplayOptions, ExposureChoice, StatisticsForm, WindowArguments};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
 use crate::output::Output;
 use crate::progress::Watcher;
-use crate::shaders::{self, Shaders};
+use crate::shaders;
 use crate::signals::{self, FirstSignal};
 use crate::source::Source;
-use crate::view::{self, Chosen};
+use crate::view;
 use crate::workers::machine;
 
 /// Shows a scene in a window.
@@ -56,77 +48,14 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
         source.warn_lost(messages);
         return outcome;
     }
-    signals::listen(FirstSignal::Leaves, messages)?;
-    let (stage, chosen) = prepare(&source, arguments, level, &pool, messages)?;
-    let render = frame_options(&arguments.frame, level);
-    let (show_view, note) = show_view(arguments.light, &stage, &chosen, &render, &pool)?;
-    let options = WindowOptions {
-        camera: chosen.camera,
-        exposure: Exposure { stops: show_view.exposure, tone: show_view.tone },
-        title: format!("{} - GNU RT", source.stem()),
-        frames: arguments.frames.map(u64::from),
-        folder: PathBuf::from("."),
-        denoiser: arguments.denoiser.options_or_built_in(None).unwrap_or_default(),
-        note,
-        is_denoised: arguments.denoiser.options_or_built_in(None).is_some() && is_noisy(render.integrator, 1),
-        render,
-    };
-    let again = (source, arguments.clone());
-    let loader = Box::new(move |pool: &ThreadPool| {
-        let (source, arguments) = &again;
-        let stage = prepare(source, arguments, level, pool, messages).map(|(stage, _)| stage);
-        stage.map_err(|failure| failure.message().unwrap_or("it cannot be read").to_owned())
-    });
-    run_window(options, stage, pool, loader, Arc::new(Speaker { messages })).map_err(Failure::data)
-}
-
-/// Curve and exposure of all frames, and the note about them; the exposure is chosen once, from the first
-/// view, unless it is given.
-fn show_view(
-    light: LightArguments,
-    stage: &Stage,
-    chosen: &Chosen,
-    options: &RenderOptions,
-    pool: &ThreadPool,
-) -> Result<(DisplayOptions, Option<String>), Failure> {
-    let light = light.suited(chosen.exposure_of(options.integrator));
-    Ok(match light.exposure {
-        ExposureChoice::Stops(exposure) => {
-            (DisplayOptions { tone: light.tone, exposure, file: light.file }, None)
-        }
-        ExposureChoice::Auto => {
-            light.chosen(meter(&stage.world, &*chosen.rays, options, pool).map_err(Failure::usage)?)
-        }
-    })
-}
-
-/// The scene, committed, and the camera that shows it.
-fn prepare(
-    source: &Source,
-    arguments: &WindowArguments,
-    level: Level,
-    pool: &ThreadPool,
-    messages: Messages,
-) -> Result<(Stage, Chosen), Failure> {
-    let (mut scene, mut files) = source.load_with_files(messages)?;
-    let clip = clip(&scene, arguments.animation.as_deref())?;
-    files.extend(arguments.view.surroundings.files());
-    let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;
-    let chosen = view::choose(
-        &mut scene,
-        &shaders.table,
-        &arguments.view,
-        arguments.frame.resolution,
-        view::Stage::of(arguments.frame.integrator, true),
-        messages,
-    )?;
-    view::tell_left_out(&scene, arguments.frame.integrator, messages);
-    files.extend(shaders::other_files(&arguments.frame, &arguments.view));
-    let how = commit_options(&arguments.frame, &arguments.trees, level);
-    let (world, _) = commit(&scene, &shaders.table, how, pool, messages)?;
-    let (scripts, others) = shaders.into_viewed(chosen.shader.as_ref());
-    let faults = Box::new(move || others.new_faults());
-    Ok((Stage { scene, world, files, clip, how, scripts, faults }, chosen))
+    #[cfg(feature = "window")]
+    let outcome = super::window::show_window(arguments, source, pool, level, messages);
+    #[cfg(not(feature = "window"))]
+    let outcome = Err(Failure::usage(
+        "this program was compiled without windows. `cargo run --release --features window -- view ...` and \
+         `cargo xtask install` compile them; --headless and --display do without",
+    ));
+    outcome
 }
 
 fn run_windowless(
@@ -254,25 +183,5 @@ fn report(
             messages.note(text);
             Ok(())
         }
-    }
-}
-
-/// Prints the window's messages as the program's.
-struct Speaker {
-    messages: Messages,
-}
-
-impl Listener for Speaker {
-    fn camera(&self, options: &str) {
-        // A closed standard output is ignored.
-        let _ = print(options);
-    }
-
-    fn note(&self, text: &str) {
-        self.messages.note(text);
-    }
-
-    fn warning(&self, text: &str) {
-        self.messages.warning(text);
     }
 }

@@ -47,5 +47,5 @@ mod textures;
 mod usd;
 mod viewing;
 mod volumes;
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", feature = "window"))]
 mod window;

@@ -202,22 +202,22 @@ fn decode(
                 space.filter(|_| request.is_color).and_then(|space| icc::Conversion::of_space(&space));
             let request = Request { space, ..request };
             let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
-            decode_within(decoder, Sidecar::pixels(0), format, request)
+            decode_within(Box::new(decoder), Sidecar::pixels(0), format, request)
         }
         RasterFormat::Jpeg => {
             let in_scans = jpeg::check(source, length)?;
             let decoder = JpegDecoder::new(source).map_err(library_error)?;
-            decode_within(decoder, Sidecar::pixels(if in_scans { 8 } else { 0 }), format, request)
+            decode_within(Box::new(decoder), Sidecar::pixels(if in_scans { 8 } else { 0 }), format, request)
         }
         RasterFormat::Tga => {
             check_tga(source, length)?;
             let decoder = TgaDecoder::new(source).map_err(library_error)?;
-            decode_within(decoder, Sidecar::pixels(4), format, request)
+            decode_within(Box::new(decoder), Sidecar::pixels(4), format, request)
         }
         RasterFormat::Bmp => {
             let decoder = BmpDecoder::new(source).map_err(library_error)?;
             check_density(format.name(), size_of(&decoder), length, RUN_PIXELS_PER_BYTE)?;
-            decode_within(decoder, Sidecar::pixels(4), format, request)
+            decode_within(Box::new(decoder), Sidecar::pixels(4), format, request)
         }
         RasterFormat::Webp => {
             let tables = webp::check(source, length, request.budget)?;
@@ -225,12 +225,12 @@ fn decode(
             check_density(format.name(), size_of(&decoder), length, WEBP_PIXELS_PER_BYTE)?;
             // An animation's frame is put together with those before.
             let pixel_bytes = if decoder.has_animation() { 16 } else { 8 };
-            decode_within(decoder, Sidecar { pixel_bytes, bytes: tables }, format, request)
+            decode_within(Box::new(decoder), Sidecar { pixel_bytes, bytes: tables }, format, request)
         }
     })
 }
 
-fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
+fn size_of(decoder: &dyn ImageDecoder) -> [u64; 2] {
     let (width, height) = decoder.dimensions();
     [u64::from(width), u64::from(height)]
 }
@@ -252,7 +252,7 @@ impl Sidecar {
 
 /// Decodes within the memory budget, upright.
 fn decode_within(
-    mut decoder: impl ImageDecoder,
+    mut decoder: Box<dyn ImageDecoder + '_>,
     beside: Sidecar,
     format: RasterFormat,
     request: Request<'_>,
@@ -262,7 +262,7 @@ fn decode_within(
     let texel = if is_wide(color) { request.wide } else { 4 };
     // First the decoder's memory and its output, then the output and the texels, then those and the floats.
     let last = if request.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
-    let size = size_of(&decoder);
+    let size = size_of(&*decoder);
     let decoded = (native + texel).max(last);
     request.budget.check(format.name(), size, decoded.max(beside.pixel_bytes + native))?;
     request.budget.check_bytes(size, size[0] * size[1] * (beside.pixel_bytes + native) + beside.bytes)?;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Work on many paths, shared out to threads in chunks. Results do not depend on the threads.
 
-use rayon::prelude::*;
+use gnurt_accel::threads::map;
 
 use crate::job::Job;
 use crate::stats::RenderStats;
@@ -28,18 +28,13 @@ pub(super) fn in_chunks_of<T: Send>(
     stats: &mut RenderStats,
     of_chunk: impl Fn(&mut BatchTracer, std::ops::Range<u32>) -> T + Sync,
 ) -> Vec<T> {
-    let one = |n: u32| {
+    let one = |n: usize| {
+        let n = n as u32;
         let mut tracer = BatchTracer::new(job.world, job.options, false);
         let result = of_chunk(&mut tracer, n * size..((n + 1) * size).min(count));
         (result, tracer.take_stats())
     };
-    let chunks = 0..count.div_ceil(size);
-    let results: Vec<_> = if rayon::current_thread_index().is_some() {
-        chunks.into_par_iter().map(one).collect()
-    } else {
-        chunks.map(one).collect()
-    };
-    results
+    map(rayon::current_thread_index().is_some(), count.div_ceil(size) as usize, one)
         .into_iter()
         .map(|(result, spent)| {
             stats.add(&spent);

@@ -12,11 +12,11 @@ use std::time::Instant;
 
 use glam::Vec3;
 use gnurt_accel::Coherence;
+use gnurt_accel::threads::{self, Pieces};
 use gnurt_image::srgb::luminance;
 use gnurt_scene::RayMask;
 use gnurt_shading::CameraShader;
 use gnurt_shading::sampling::hash_combine;
-use rayon::prelude::*;
 
 use super::before::Before;
 use super::choose::{need, rank_of, scale};
@@ -121,7 +121,8 @@ impl PictureHistory {
         let Self { lights, before, tints, .. } = self;
         // Few paths bring virtual lights: they would not be work for all threads.
         let (counts, pass) = pool.install(|| {
-            rayon::join(
+            threads::both(
+                true,
                 || frame.sample_surfaces(job, before.as_ref(), tints, fading, stats),
                 || lights.next_few(job),
             )
@@ -201,8 +202,9 @@ impl PictureHistory {
     /// Writes colours to the film.
     fn write(&self, tiles: &mut [TileFilm], width: usize) {
         let unknown = Vec3::splat(self.mean);
-        tiles.par_iter_mut().for_each(|tile| {
-            tile.show(|[x, y]| {
+        let tiles = Pieces::new(tiles, 1);
+        threads::for_each(true, tiles.count(), &|n| {
+            tiles.lock(n)[0].show(|[x, y]| {
                 let i = y as usize * width + x as usize;
                 let (tint, light) = (&self.tints[i], self.shown.light(x as usize, y as usize));
                 let mean = if light.count > 0.0 { light.mean } else { unknown };
@@ -215,12 +217,13 @@ impl PictureHistory {
 
 /// Luminance of light on the mean pixel that shows a surface.
 fn mean_of(surface_keys: &[SurfaceKey], shown: &Smooth, width: usize) -> f32 {
-    let of_row = |(y, surface_keys): (usize, &[SurfaceKey])| {
+    let of_row = |y: usize| {
+        let surface_keys = &surface_keys[y * width..][..width];
         let surfaces = (0..width).filter(|&x| surface_keys[x].is_surface()).map(|x| shown.light(x, y));
         let known = surfaces.filter(|light| light.count > 0.0);
         known.fold((0.0, 0.0), |(sum, count), light| (sum + luminance(light.mean.into()), count + 1.0))
     };
-    let rows: Vec<(f32, f32)> = surface_keys.par_chunks(width).enumerate().map(of_row).collect();
+    let rows: Vec<(f32, f32)> = threads::map(true, surface_keys.len() / width.max(1), of_row);
     let total = |k: fn(&(f32, f32)) -> f32| rows.iter().map(|row| f64::from(k(row))).sum::<f64>();
     (total(|row| row.0) / f64::max(total(|row| row.1), 1.0)) as f32
 }
@@ -245,9 +248,6 @@ fn noise_of(
     }
     sums.map(|[sum, count]| (sum / f64::max(count, 1.0)) as f32)
 }
-
-/// Some rows, by their number from the top.
-type Band<'a> = (usize, ((&'a mut [SurfaceKey], &'a mut [Light]), &'a mut [Tint]));
 
 /// A picture in the making, row by row.
 struct Frame {
@@ -278,10 +278,12 @@ impl Frame {
         let [width, height] = self.size;
         tints.resize(self.surface_keys.len(), Tint::default());
         let band = (width * ROWS) as usize;
-        let bands = self.surface_keys.par_chunks_mut(band).zip(self.lights.par_chunks_mut(band));
-        let bands = bands.zip(tints.par_chunks_mut(band)).enumerate();
+        let surface_keys = Pieces::new(&mut self.surface_keys, band);
+        let (lights, tints) = (Pieces::new(&mut self.lights, band), Pieces::new(tints, band));
         let sampler = Sampler { job, pass: None };
-        let see = |tracer: &mut BatchTracer, (n, ((surface_keys, lights), tints)): Band| {
+        let see = |tracer: &mut BatchTracer, n: usize| {
+            let (mut surface_keys, mut lights, mut tints) =
+                (surface_keys.lock(n), lights.lock(n), tints.lock(n));
             let top = n as u32 * ROWS;
             let mut counts = [0; 3];
             sample_surfaces(job, tracer, [top, (top + ROWS).min(height)], &mut |x, y, surface_key| {
@@ -298,7 +300,8 @@ impl Frame {
             });
             (counts, tracer.take_stats())
         };
-        let found: Vec<([u64; 3], RenderStats)> = bands.map_init(|| sampler.tracer(), see).collect();
+        let found: Vec<([u64; 3], RenderStats)> =
+            threads::map_with(true, surface_keys.count(), || sampler.tracer(), see);
         found.iter().fold([0; 3], |sum, (counts, of_band)| {
             stats.add(of_band);
             [0, 1, 2].map(|k| sum[k] + counts[k])
@@ -308,8 +311,8 @@ impl Frame {
     /// The pixels that get a fresh sample, neighbours together.
     fn choose(&self, scale: f32, frame: u32) -> Vec<[u32; 2]> {
         let [width, height] = self.size;
-        let bands: Vec<u32> = (0..height).step_by(ROWS as usize).collect();
-        let of_band = |&top: &u32| {
+        let of_band = |n: usize| {
+            let top = n as u32 * ROWS;
             let mut chosen = Vec::new();
             for [x0, y0, x1, y1] in film::blocks([0, top, width, (top + ROWS).min(height)]) {
                 for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
@@ -321,7 +324,7 @@ impl Frame {
             }
             chosen
         };
-        bands.par_iter().flat_map(of_band).collect()
+        threads::map(true, height.div_ceil(ROWS) as usize, of_band).concat()
     }
 
     /// Adds a fresh sample to some pixels; returns their brightness, or `None` if stopped. A sample counts at
@@ -336,14 +339,16 @@ impl Frame {
         stats: &mut RenderStats,
     ) -> Option<Vec<f32>> {
         let sampler = Sampler { job, pass };
-        let take = |tracer: &mut BatchTracer, pixels: &[[u32; 2]]| {
+        let chunks: Vec<&[[u32; 2]]> = chosen.chunks(TOGETHER).collect();
+        let take = |tracer: &mut BatchTracer, n: usize| {
+            let pixels = chunks[n];
             let is_requested = !job.should_stop();
             let fresh_radiance =
                 if is_requested { radiance(job, pass, tracer, pixels, frame) } else { Vec::new() };
             (fresh_radiance, tracer.take_stats())
         };
         let found: Vec<(Vec<Vec3>, RenderStats)> =
-            chosen.par_chunks(TOGETHER).map_init(|| sampler.tracer(), take).collect();
+            threads::map_with(true, chunks.len(), || sampler.tracer(), take);
         found.iter().for_each(|(_, of_chunk)| stats.add(of_chunk));
         if job.should_stop() {
             return None;

@@ -8,9 +8,9 @@
 //! `tests`, and crates/render/tests/motion.rs (any number of threads).
 
 use glam::Vec3;
+use gnurt_accel::threads::{self, Pieces};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
-use rayon::prelude::*;
 
 use super::surface_key::{Light, Same, SurfaceKey, Tint};
 
@@ -125,11 +125,9 @@ impl Smooth {
         self.stride = stride;
         self.light.resize(height * stride * light::COUNT, 0.0);
         let rows = height.div_ceil(2 * rayon::current_num_threads()).max(LEAST_ROWS);
-        let bands = self.light.par_chunks_mut(rows * stride * light::COUNT).enumerate();
-        bands.for_each_init(
-            || Near::new(stride, height, strength),
-            |near, (n, out)| near.band(given, n * rows, out, level),
-        );
+        let bands = Pieces::new(&mut self.light, rows * stride * light::COUNT);
+        let smooth = |near: &mut Near, n: usize| near.band(given, n * rows, &mut bands.lock(n), level);
+        threads::map_with(true, bands.count(), || Near::new(stride, height, strength), smooth);
         FAR.into_iter().for_each(|step| self.average_far(given, step));
     }
 
@@ -144,7 +142,8 @@ impl Smooth {
     /// Averages neighbours at this distance, for pixels of surfaces that have no samples.
     fn average_far(&mut self, given: &Given, (step, [neighbours, corner]): Step) {
         let Given { width, surface_keys, .. } = *given;
-        let of_row = |(y, keys_of_row): (usize, &[SurfaceKey])| -> Vec<(usize, Light)> {
+        let of_row = |y: usize| -> Vec<(usize, Light)> {
+            let keys_of_row = &surface_keys[y * width..][..width];
             let first = (y * light::COUNT + light::SAMPLES) * self.stride + MARGIN;
             let counts = &self.light[first..first + width];
             let unknown = |x: &usize| keys_of_row[*x].is_surface() && counts[*x] <= 0.0;
@@ -166,8 +165,7 @@ impl Smooth {
             };
             (0..width).filter(unknown).map(|x| (x, query(x))).filter(|(_, light)| light.count > 0.0).collect()
         };
-        let found: Vec<Vec<(usize, Light)>> =
-            surface_keys.par_chunks(width).enumerate().map(of_row).collect();
+        let found: Vec<Vec<(usize, Light)>> = threads::map(true, surface_keys.len() / width.max(1), of_row);
         for (y, found) in found.iter().enumerate() {
             for (x, light) in found {
                 for (k, number) in light.mean.to_array().into_iter().chain([light.count]).enumerate() {

@@ -6,10 +6,10 @@
 
 use std::sync::Arc;
 
+use gnurt_accel::threads;
 use gnurt_accel::{KeyInterval, SceneTree, SharedList};
 use gnurt_scene::RayMask;
 use gnurt_shading::lights as shading;
-use rayon::prelude::*;
 
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::material_table::MaterialTable;
@@ -47,6 +47,12 @@ struct Found {
     glowing: Vec<Option<EmissionTriangle>>,
 }
 
+/// Instances that a thread asks at a time whether they emit.
+const CHUNK: usize = 4096;
+
+/// Emissive instances whose triangles a thread collects at a time.
+const TOGETHER: usize = 64;
+
 impl Emitters {
     /// The emitters after a change of the instances of `changed`, ascending; `None` if they are unchanged.
     pub(super) fn after(&self, changed: &[u32], emission_changed: bool, shown: Shown) -> Option<Self> {
@@ -59,14 +65,14 @@ impl Emitters {
             })
         };
         let now: Vec<u32> = if emission_changed {
-            let of_chunk = |(first, slots): (usize, &[InstanceSlot])| {
-                let instance_indices = first..first + slots.len();
-                instance_indices
+            let of_chunk = |n: usize| {
+                let end = ((n + 1) * CHUNK).min(instances.len());
+                (n * CHUNK..end)
                     .filter(|&instance_index| is_emissive(instance_index))
                     .map(|instance_index| instance_index as u32)
                     .collect::<Vec<_>>()
             };
-            pool.install(|| instances.par_pieces().flat_map_iter(of_chunk).collect())
+            pool.install(|| threads::map(true, instances.len().div_ceil(CHUNK), of_chunk)).concat()
         } else {
             let is_changed = |id: &u32| changed.binary_search(id).is_ok();
             let come: Vec<u32> = changed.iter().copied().filter(|&id| is_emissive(id as usize)).collect();
@@ -146,7 +152,8 @@ impl Found {
         let mut next = 0..;
         let number: Vec<Option<u32>> =
             shown.materials.emitters().map(|emitter| emitter.and_then(|_| next.next())).collect();
-        let of_instance = |(instance_index, &inst_id): (usize, &u32)| {
+        let of_instance = |instance_index: usize| {
+            let inst_id = emissive[instance_index];
             let mut found = Vec::new();
             let Some(instance) = shown.instances[inst_id as usize].placed() else { return found };
             let first = shown.tree.first_leaf(inst_id);
@@ -175,8 +182,12 @@ impl Found {
             });
             found
         };
-        let all = || emissive.par_iter().enumerate().flat_map_iter(of_instance).unzip();
-        let (triangles, (ids, glowing)) = shown.pool.install(all);
+        let of_chunk = |n: usize| {
+            let end = ((n + 1) * TOGETHER).min(emissive.len());
+            (n * TOGETHER..end).flat_map(of_instance).collect::<Vec<_>>()
+        };
+        let all = || threads::map(true, emissive.len().div_ceil(TOGETHER), of_chunk);
+        let (triangles, (ids, glowing)) = shown.pool.install(all).into_iter().flatten().unzip();
         Self { triangles, ids, glowing }
     }
 }

@@ -6,13 +6,13 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use gnurt_accel::threads;
 use gnurt_accel::{
     BuildOptions, Geometry, Memory, Motion, MovingTree, MovingTriangles, ObjectTree, SharedList, Threads,
     Update,
 };
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Mesh, MeshId, Scene};
-use rayon::prelude::*;
 
 use super::areas::Areas;
 use super::crowds::{Crowds, Kind};
@@ -52,7 +52,7 @@ pub(super) fn update(
     let made: Vec<(Arc<WorldObject>, Option<Update>)> = match &found[..] {
         [found] => vec![build(found)],
         // Large and small ones come in any order: each is shared out for itself, too.
-        _ => pool.install(|| found.par_iter().with_max_len(1).map(build).collect()),
+        _ => pool.install(|| threads::map(true, found.len(), |n| build(&found[n]))),
     };
     let count = |of: fn(Update) -> bool| made.iter().filter(|(_, update)| update.is_some_and(of)).count();
     let refitted = count(|update| update == Update::Refitted);
@@ -135,7 +135,7 @@ fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
     };
     match &firsts[..] {
         [first] => prepare(first),
-        _ => pool.install(|| firsts.par_iter().with_max_len(1).for_each(prepare)),
+        _ => pool.install(|| threads::for_each(true, firsts.len(), &|n| prepare(&firsts[n]))),
     }
 }
 

@@ -10,6 +10,7 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use glam::Vec3;
+use gnurt_accel::threads::{self, Pieces};
 use gnurt_accel::{HitBatch, RayBatch, SharedList};
 use gnurt_image::srgb::luminance;
 use gnurt_shading::bsdf::ClosureBatch;
@@ -20,7 +21,6 @@ use gnurt_shading::lights::{
 use gnurt_shading::sampling::{self, Basis, cosine_hemisphere};
 use gnurt_shading::{Detail, SampleKey, SurfaceBatch};
 use gnurt_simd::Level;
-use rayon::prelude::*;
 
 use super::instance::InstanceSlot;
 use super::open::Shutter;
@@ -31,6 +31,9 @@ use super::surface::{HitLanes, Leaves, SurfacePoints};
 const PROBES: usize = 1 << 13;
 const MOST_PROBES: usize = 64;
 const FEWEST_PROBES: usize = 4;
+
+/// Triangles that a thread probes at a time.
+const TOGETHER: usize = 64;
 
 /// A triangle that may emit.
 #[derive(Clone, Copy)]
@@ -150,10 +153,13 @@ impl ShaderEmission {
         for (emitter, back) in (0..triangles.len()).filter_map(side_of) {
             sides[emitter][usize::from(back)].0 += 1;
         }
-        triangles.par_iter_mut().enumerate().for_each(|(i, triangle)| {
-            let Some((emitter, back)) = side_of(i) else { return };
-            let probes = (PROBES / sides[emitter][usize::from(back)].0).clamp(FEWEST_PROBES, MOST_PROBES);
-            triangle.brightness = self.mean_of(i, triangle, probes);
+        let pieces = Pieces::new(triangles, TOGETHER);
+        threads::for_each(true, pieces.count(), &|n| {
+            for (i, triangle) in (n * TOGETHER..).zip(pieces.lock(n).iter_mut()) {
+                let Some((emitter, back)) = side_of(i) else { continue };
+                let probes = (PROBES / sides[emitter][usize::from(back)].0).clamp(FEWEST_PROBES, MOST_PROBES);
+                triangle.brightness = self.mean_of(i, triangle, probes);
+            }
         });
         for (i, triangle) in triangles.iter().enumerate() {
             if let Some((emitter, back)) = side_of(i) {

@@ -7,9 +7,9 @@
 
 use std::sync::Arc;
 
+use gnurt_accel::threads::extend;
 use gnurt_accel::{BuildOptions, Instance, ObjectTree, SceneTree, SharedList, Threads};
 use gnurt_scene::Scene;
-use rayon::prelude::*;
 
 use super::instance::InstanceSlot;
 
@@ -35,17 +35,14 @@ pub(super) fn after(
         let nothing = Arc::new(ObjectTree::build(&[], &BuildOptions::default(), Threads::Single));
         let shown_or_nothing =
             |index: usize| shown(index).unwrap_or_else(|| Instance::identity(nothing.clone()));
-        let list: Vec<Instance> = pool.install(|| {
-            let positions = (0..instances.len()).into_par_iter();
-            positions.with_min_len(FEW).map(shown_or_nothing).collect()
-        });
+        let mut list: Vec<Instance> = Vec::new();
+        pool.install(|| extend(true, &mut list, instances.len(), shown_or_nothing));
         SceneTree::build(&list, &BuildOptions::default(), threads)
     } else {
-        let change = |&index: &u32| (index, shown(index as usize));
-        let changes: Vec<(u32, Option<Instance>)> = match changed.len() > FEW {
-            true => pool.install(|| changed.par_iter().with_min_len(FEW).map(change).collect()),
-            false => changed.iter().map(change).collect(),
-        };
+        let change = |n: usize| (changed[n], shown(changed[n] as usize));
+        let mut changes: Vec<(u32, Option<Instance>)> = Vec::new();
+        let few = if changed.len() > FEW { threads } else { Threads::Single };
+        few.run(|parallel| extend(parallel, &mut changes, changed.len(), change));
         before.updated(instances.len(), &changes, threads)
     };
     Arc::new(tree)
