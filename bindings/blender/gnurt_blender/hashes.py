@@ -5,6 +5,7 @@ Source: Bob Jenkins, lookup3 (2006), which is in the public domain. Tests: the n
 """
 
 MASK = 0xFFFFFFFF
+START = (0xDEADBEEF + (2 << 2) + 13) & MASK
 
 
 def of_name(name):
@@ -12,8 +13,12 @@ def of_name(name):
     made = 0
     for byte in name.encode():
         made = (made * 37 + byte) & MASK
-    start = (0xDEADBEEF + (2 << 2) + 13) & MASK
-    return mixed((start + made) & MASK, start, start)
+    return mixed((START + made) & MASK, START, START)
+
+
+def of_number(number):
+    """A number from 0 to 1 for a number."""
+    return mixed((START + number) & MASK, START, START) / MASK
 
 
 def mixed(a, b, c):

@@ -98,6 +98,26 @@ class Recorder:
             self._move(number, still, seen, transform, rays)
         return self._put("mesh", number, *keys)
 
+    def add_curves(self, vertices, radii, **properties):
+        return self._add_strands("curves", vertices, radii, properties)
+
+    def add_points(self, vertices, radii, **properties):
+        return self._add_strands("points", vertices, radii, properties)
+
+    def _add_strands(self, kind, vertices, radii, properties):
+        """Curves or spheres, which are moved but not changed."""
+        transform, rays = properties.pop("transform"), properties.pop("rays")
+        keys = digest(vertices, radii, properties), digest(transform), digest(rays)
+        number, (same, still, seen) = self._next(kind, *keys)
+        if number is None:
+            add = self.scene.add_curves if kind == "curves" else self.scene.add_points
+            number = add(vertices, radii, transform=transform, rays=rays, **properties)
+        elif not same:
+            raise Rebuild
+        else:
+            self._move(number, still, seen, transform, rays)
+        return self._put(kind, number, *keys)
+
     def _move(self, number, still, seen, transform, rays):
         change = {} if still or transform is None else {"transform": transform}
         change |= {} if seen else {"rays": rays}

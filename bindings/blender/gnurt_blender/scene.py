@@ -147,7 +147,6 @@ class Export:
         if found.type in {"MESH", "CURVE", "SURFACE", "FONT", "META"}:
             self.place(instance, found, matrix, rays, self.mesh_of)
         elif found.type == "CURVES":
-            self.warn(f"object '{found.name}': hair is shown as tubes of triangles")
             self.place(instance, found, matrix, rays, self.curves_of)
         elif found.type == "POINTCLOUD":
             self.place(instance, found, matrix, rays, self.points_of)
@@ -245,46 +244,35 @@ class Export:
             settings = system.settings
             if settings.type != "HAIR" or settings.render_type != "PATH":
                 continue
-            self.warn(f"object '{found.name}': hair is shown as tubes of triangles")
             matrix = np.array(instance.matrix_world)
-            made = strands.tubes(*strands.of_particles(found, system, matrix), sides=4)
-            if made is not None:
-                slots = [slot.material for slot in found.material_slots] or [None]
-                slot = min(max(settings.material - 1, 0), len(slots) - 1)
-                self.add_strands(instance, found, slots[slot], matrix, made)
+            made = strands.of_particles(found, system, matrix)
+            slots = [slot.material for slot in found.material_slots] or [None]
+            slot = min(max(settings.material - 1, 0), len(slots) - 1)
+            if made:
+                self.add_strands(instance, found, slots[slot], matrix, self.rays_of(found), made)
 
-    def add_strands(self, instance, found, material, matrix, made):
-        vertices, faces, owners, shares, normals = made
-        number, attributes, _ = self.material(material, found, None, instance)
-        ready = {}
-        for (kind, name), known in attributes.items():
-            values = {
-                "hair:Is Strand": np.ones(len(vertices)),
-                "hair:Intercept": shares,
-                "hair:Random": (owners * 2654435761 % (1 << 32)) / float(1 << 32),
-            }.get(name)
-            if values is not None:
-                ready[known] = values.astype(np.float32)
-        return self.scene.add_mesh(
-            vertices.astype(np.float32), faces, normals=normals.astype(np.float32), material=number, transform=matrix,
-            rays=self.rays_of(found), name=found.name, **({"attributes": ready} if ready else {}),
-        )
+    def add_strands(self, instance, found, material, matrix, rays, made):
+        """Adds curves; the number, and whether it is for this instance alone."""
+        shape = getattr(getattr(self.scene_data, "cycles_curves", None), "shape", "RIBBONS")
+        number, attributes, is_own = self.material(material, found, None, instance)
+        values = {known: made.value(name.removeprefix("hair:")) for (_, name), known in attributes.items() if name.startswith("hair:")}
+        return self.scene.add_curves(
+            made.vertices, made.radii, counts=made.counts, basis="linear" if shape == "THICK_LINEAR" else "catmull-rom",
+            form="flat" if shape == "RIBBONS" else "round", material=number, transform=matrix, rays=rays, name=found.name,
+            attributes={known: value for known, value in values.items() if value is not None},
+        ), is_own
 
     def curves_of(self, instance, found, slots, matrix, rays):
-        made = strands.tubes(*strands.of_curves(found.data))
-        if made is None:
-            return None
-        return self.add_strands(instance, found, slots[0], matrix, made), True
+        made = strands.of_curves(found.data)
+        return self.add_strands(instance, found, slots[0], matrix, rays, made) if made else None
 
     def points_of(self, instance, found, slots, matrix, rays):
-        count = len(found.data.points)
-        if count == 0:
+        if len(found.data.points) == 0:
             return None
         points = meshes.flat(found.data.points, "co", np.float32, 3)
         radii = meshes.flat(found.data.points, "radius", np.float32)
-        vertices, faces, normals = strands.spheres(points, radii)
-        number, _, _ = self.material(slots[0], found, None, instance)
-        return self.scene.add_mesh(vertices.astype(np.float32), faces, normals=normals.astype(np.float32), material=number, transform=matrix, rays=rays, name=found.name), True
+        number, _, is_own = self.material(slots[0], found, None, instance)
+        return self.scene.add_points(points, radii, material=number, transform=matrix, rays=rays, name=found.name), is_own
 
     # Materials
 

@@ -1,50 +1,58 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves and hair as tubes of triangles.
+"""Hair and curves as the package takes them: points and radii, strand by strand.
 
-Space: that of the points. Each strand has a ring of corners at each of its points, in a frame that does not twist
-[Wang et al., Computation of rotation minimizing frames, 2008, by projection].
+Space: that of the points.
 """
 
 import numpy as np
 
-SIDES = 6
+from . import hashes
 
 
-def tubes(strands, radii, sides=SIDES):
-    """Vertices, faces, and per vertex (strand, share of the length) of strands: lists of (n, 3) points and (n,) radii."""
-    ring = np.arange(sides) * (2 * np.pi / sides)
-    # As wide as a round tube seen from anywhere, on average: the mean width of a polygon is its perimeter over pi.
-    grown = np.pi / (sides * np.sin(np.pi / sides))
-    circle = np.stack([np.cos(ring), np.sin(ring)], axis=1) * grown
-    vertices, faces, owners, shares, normals, base = [], [], [], [], [], 0
-    for number, (points, radius) in enumerate(zip(strands, radii)):
-        points = np.asarray(points, float)
-        if len(points) < 2:
-            continue
-        way = np.gradient(points, axis=0)
-        way /= np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-20)
-        side = np.cross(way[0], np.eye(3)[np.argmin(np.abs(way[0]))])
-        frames = []
-        for direction in way:
-            side = side - direction * (side @ direction)
-            side /= max(np.linalg.norm(side), 1e-20)
-            frames.append((side, np.cross(direction, side)))
-        frames = np.array(frames)
-        around = np.einsum("sk,nkc->nsc", circle, frames)
-        count = len(points)
-        vertices.append((points[:, None] + around * np.asarray(radius)[:, None, None]).reshape(-1, 3))
-        normals.append((around / grown).reshape(-1, 3))
-        i, j = np.meshgrid(np.arange(count - 1), np.arange(sides), indexing="ij")
-        a, b = base + i * sides + j, base + i * sides + (j + 1) % sides
-        c, d = a + sides, b + sides
-        faces.append(np.stack([np.stack([a, b, d], axis=-1), np.stack([a, d, c], axis=-1)]).reshape(-1, 3))
-        lengths = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-        owners.append(np.full(count * sides, number))
-        shares.append(np.repeat(lengths / max(lengths[-1], 1e-20), sides))
-        base += count * sides
-    if not vertices:
+class Strands:
+    """Strands that go through all of their points: vertices (n, 3), radii (n,), and how many vertices each strand has.
+
+    The first and the last point are there twice: a Catmull-Rom curve goes from its second vertex to the last but one.
+    """
+
+    def __init__(self, strands, radii):
+        found = [(np.asarray(points, np.float32), np.asarray(radius, np.float32)) for points, radius in zip(strands, radii) if len(points) > 1]
+        twice = [np.concatenate([[0], np.arange(len(points)), [len(points) - 1]]) for points, _ in found]
+        self.counts = [len(order) for order in twice]
+        self.found, self.twice = found, twice
+
+    def __bool__(self):
+        return bool(self.found)
+
+    def _rows(self, of):
+        return np.ascontiguousarray(np.concatenate([of(number, *strand)[order] for number, (strand, order) in enumerate(zip(self.found, self.twice))]), np.float32)
+
+    @property
+    def vertices(self):
+        return self._rows(lambda number, points, radii: points)
+
+    @property
+    def radii(self):
+        return self._rows(lambda number, points, radii: radii)
+
+    def value(self, name):
+        """What the node Hair Info gives, by vertex; None for what is not known."""
+        if name == "Is Strand":
+            return self._rows(lambda number, points, radii: np.ones(len(points)))
+        if name == "Intercept":
+            return self._rows(lambda number, points, radii: lengths(points) / max(lengths(points)[-1], 1e-20))
+        if name == "Length":
+            return self._rows(lambda number, points, radii: np.full(len(points), lengths(points)[-1]))
+        if name == "Thickness":
+            return self._rows(lambda number, points, radii: 2 * radii)
+        if name == "Random":
+            return self._rows(lambda number, points, radii: np.full(len(points), hashes.of_number(number)))
         return None
-    return tuple(np.concatenate(part) for part in (vertices, faces, owners, shares, normals))
+
+
+def lengths(points):
+    """How far along a strand its points are."""
+    return np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
 def of_curves(curves):
@@ -61,7 +69,7 @@ def of_curves(curves):
         part = slice(curve.first_point_index, curve.first_point_index + curve.points_length)
         strands.append(positions[part])
         widths.append(radii[part])
-    return strands, widths
+    return Strands(strands, widths)
 
 
 def of_particles(evaluated, system, matrix):
@@ -88,14 +96,4 @@ def of_particles(evaluated, system, matrix):
             width[-1] = 0.0
         strands.append(points)
         widths.append(width)
-    return strands, widths
-
-
-def spheres(points, radii, levels=1):
-    """Spheres of triangles around points."""
-    from .lamps import icosphere
-
-    unit, faces = icosphere(levels)
-    vertices = (points[:, None] + unit[None] * radii[:, None, None]).reshape(-1, 3)
-    shifts = np.arange(len(points))[:, None, None] * len(unit)
-    return vertices, (faces[None] + shifts).reshape(-1, 3), np.tile(unit, (len(points), 1))
+    return Strands(strands, widths)

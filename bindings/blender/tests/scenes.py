@@ -514,6 +514,87 @@ def hair():
     lit()
 
 
+def tuft(where, paint, count=400, seed=1, radius=0.012):
+    """Hair that stands on a square, as a Curves object."""
+    rng = np.random.default_rng(seed)
+    steps = np.linspace(0, 1, 8)
+    roots = np.concatenate([rng.uniform(-0.7, 0.7, (count, 2)), np.zeros((count, 1))], axis=1)
+    lean = np.concatenate([rng.normal(0, 0.35, (count, 2)), np.ones((count, 1))], axis=1)
+    points = roots[:, None] + lean[:, None] * steps[:, None] * np.where(np.arange(3) < 2, steps[:, None], 1.0) * 1.2
+    data = bpy.data.hair_curves.new("tuft")
+    data.add_curves([len(steps)] * count)
+    data.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
+    widths = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
+    widths.data.foreach_set("value", np.tile(radius * (1 - 0.7 * steps), count).astype(np.float32))
+    data.materials.append(paint)
+    return add("tuft", data, where)
+
+
+def hair_paint(name, parametrization, **values):
+    """A material of the node Principled Hair."""
+    return material(name, "ShaderNodeBsdfHairPrincipled", model="CHIANG", parametrization=parametrization, **values)
+
+
+@scene
+def hair_colors():
+    floor()
+    tuft((-1.1, 0, 0), hair_paint("by color", "COLOR", Color=(0.7, 0.3, 0.1)), seed=1)
+    tuft((1.1, 0, 0), hair_paint("by absorption", "ABSORPTION", Absorption_Coefficient=(0.2, 0.5, 1.0), Roughness=0.2, Radial_Roughness=0.5, Coat=0.4), seed=2)
+    background(0.8)
+    bpy.context.scene["means only"] = True
+    lit()
+
+
+@scene
+def hair_melanin():
+    floor()
+    tuft((-1.1, 0, 0), hair_paint("brown", "MELANIN", Melanin=0.6, Melanin_Redness=0.1, Random_Color=0.3, Random_Roughness=0.2), seed=3)
+    tuft((1.1, 0, 0), hair_paint("red", "MELANIN", Melanin=0.3, Melanin_Redness=1.0, Tint=(0.9, 0.6, 0.8), Random_Color=0.0, IOR=1.4, Offset=0.1), seed=4)
+    bpy.context.scene["means only"] = True
+    lit()
+
+
+@scene
+def thick_hair():
+    floor()
+    tuft((0, 0, 0), hair_paint("round", "COLOR", Color=(0.5, 0.5, 0.6)), count=80, radius=0.05)
+    bpy.context.scene.cycles_curves.shape = "THICK"
+    bpy.context.scene["means only"] = True
+    lit()
+
+
+@scene
+def strands_by_attributes():
+    floor()
+    paint = material("stripes", "ShaderNodeBsdfDiffuse")
+    nodes, links = paint.node_tree.nodes, paint.node_tree.links
+    info, body = nodes.new("ShaderNodeHairInfo"), next(n for n in nodes if n.type == "BSDF_DIFFUSE")
+    mixed = nodes.new("ShaderNodeCombineColor")
+    for name, socket in (("Intercept", 0), ("Random", 1)):
+        links.new(info.outputs[name], mixed.inputs[socket])
+    links.new(mixed.outputs[0], body.inputs["Color"])
+    tuft((0, 0, 0), paint, count=150, radius=0.04)
+    bpy.context.scene["means only"] = True
+    lit()
+
+
+@scene
+def cloud_of_points():
+    floor()
+    base = shape("grid", (0, 0, 0.5), x_subdivisions=7, y_subdivisions=7, size=3)
+    tree = bpy.data.node_groups.new("cloud", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    begin, end, points, paint = (tree.nodes.new(n) for n in ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeMeshToPoints", "GeometryNodeSetMaterial"))
+    points.inputs["Radius"].default_value = 0.2
+    paint.inputs["Material"].default_value = material("balls", Base_Color=(0.2, 0.5, 0.7), Roughness=0.4)
+    tree.links.new(begin.outputs[0], points.inputs["Mesh"])
+    tree.links.new(points.outputs[0], paint.inputs[0])
+    tree.links.new(paint.outputs[0], end.inputs[0])
+    base.modifiers.new("nodes", "NODES").node_group = tree
+    lit()
+
+
 @scene
 def pixel_aspect():
     stage()

@@ -159,20 +159,10 @@ impl DescribedMesh {
             let values = given.get(name)?.map(|value| Values::new(name, &value, Some(width), counts));
             known.push(values.transpose()?);
         }
-        let mut others: Vec<(String, Values)> = Vec::new();
-        for argument in ["attributes", "face_attributes"] {
-            let Some(all) = given.get(argument)? else { continue };
-            let no_dict = || PyTypeError::new_err(format!("{argument}: expected a dict of names and arrays"));
-            for (name, value) in all.cast::<PyDict>().map_err(|_| no_dict())? {
-                let name: String = name.extract().map_err(|_| no_dict())?;
-                let place = format!("{argument}: '{name}'");
-                let values = match argument {
-                    "attributes" => Values::new(&place, &value, None, counts),
-                    _ => Values::of_triangles(&place, &value, faces.len()),
-                };
-                others.push((name, values?));
-            }
-        }
+        let mut others = named(given, "attributes", |name, value| Values::new(name, value, None, counts))?;
+        others.extend(named(given, "face_attributes", |name, value| {
+            Values::of_triangles(name, value, faces.len())
+        })?);
         let (materials, slots) = materials(given, faces.len())?;
         let split: Vec<&Values> = known
             .iter()
@@ -221,6 +211,36 @@ impl DescribedMesh {
         });
         Ok(Self { parts: parts.collect(), name, materials, placement: mesh.placement })
     }
+}
+
+/// The arrays of a dict, by their names.
+fn named(
+    given: &mut Given,
+    argument: &'static str,
+    read: impl Fn(&str, &Bound<'_, PyAny>) -> PyResult<Values>,
+) -> PyResult<Vec<(String, Values)>> {
+    let Some(all) = given.get(argument)? else { return Ok(Vec::new()) };
+    let no_dict = || PyTypeError::new_err(format!("{argument}: expected a dict of names and arrays"));
+    let all = all.cast::<PyDict>().map_err(|_| no_dict())?;
+    all.iter()
+        .map(|(name, value)| {
+            let name: String = name.extract().map_err(|_| no_dict())?;
+            let values = read(&format!("{argument}: '{name}'"), &value)?;
+            Ok((name, values))
+        })
+        .collect()
+}
+
+/// The `attributes` of a mesh without triangles: a row for each vertex.
+pub(crate) fn vertex_attributes(given: &mut Given, vertices: usize) -> PyResult<Vec<Attribute>> {
+    let all = named(given, "attributes", |name, value| Values::new(name, value, None, [vertices, 0]))?;
+    let attribute = |(name, values): (String, Values)| Attribute {
+        name,
+        rate: Rate::Vertex,
+        components: values.width as u32,
+        data: values.data,
+    };
+    Ok(all.into_iter().map(attribute).collect())
 }
 
 /// Numbers of materials, and which of them each triangle has.

@@ -8,7 +8,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::arrays::{Numbers, transform};
-use crate::described_mesh::DescribedMesh;
+use crate::described_mesh::{DescribedMesh, vertex_attributes};
 use crate::given::Given;
 
 struct Basis(CurveBasis);
@@ -116,6 +116,7 @@ pub(crate) fn strands(given: &mut Given, has_curves: bool) -> PyResult<Described
     };
     mesh.texcoords = rows::<2>(given, "texcoords", count)?;
     mesh.colors = rows::<4>(given, "colors", count)?;
+    mesh.attributes = vertex_attributes(given, count)?;
     let name = given.text("name")?.unwrap_or_default();
     mesh.name.clone_from(&name);
     let materials = given.whole("material", 0, u64::from(u32::MAX))?.map(|number| vec![number as usize]);

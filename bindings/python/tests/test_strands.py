@@ -46,3 +46,17 @@ def test_mistakes_are_named():
         scene.add_curves(ALONG, 0.1, form="oriented")
     with pytest.raises(ValueError, match="radii: expected finite numbers from 0 on, not -1"):
         scene.add_points(ALONG, -1)
+
+
+def test_attributes_change_along_strands():
+    scene = gnurt.Scene()
+    text = "surface share(float share = 0 [[ int interpolated = 1 ]]) { Ci = share * emission(); }"
+    material = scene.add_material("share", shader=text)
+    ends = np.array([[-1, 0, 0], [1, 0, 0]], dtype=np.float32)
+    scene.add_curves(ends, 0.5, basis="linear", form="flat", material=material, attributes={"share": [0.0, 1.0]})
+    camera = gnurt.Camera(eye=(0, 0, 5), target=(0, 0, 0), fov=20)
+    color = np.asarray(scene.render(9, 9, camera=camera, spp=64, integrator="path", denoise=False))[4, :, 0]
+    across = 5 * np.tan(np.radians(10)) * (np.arange(9) - 4) / 4.5
+    assert np.allclose(color, (across + 1) / 2, atol=0.01)
+    with pytest.raises(ValueError, match=r"attributes: 'share': expected shape \(2, 1 to 16\)"):
+        scene.add_curves(ends, 0.5, basis="linear", attributes={"share": [0.0, 1.0, 2.0]})

@@ -171,7 +171,31 @@ def toon(p):
     return {"BSDF": ("closure color", f"{color_of(p)} * diffuse({p.normal()})")}
 
 
-@node("BSDF_HAIR", "BSDF_HAIR_PRINCIPLED")
+@node("BSDF_HAIR_PRINCIPLED")
+def principled_hair(p):
+    p.need("hair")
+    if p.node.model != "CHIANG":
+        p.warn("hair of elliptic fibres is shown as of round ones")
+    if not p.is_constant("Coat", 0.0):
+        p.warn("the coat narrows the first reflection only")
+    random = p.f("Random") if p.is_linked("Random") else p.code.attribute("float", "hair:Random")
+
+    def varied(value, share):
+        return value if p.is_constant(share, 0.0) else f"b_hair_varied({value}, {p.f(share)}, {random})"
+
+    along, around = (p.var("float", varied(p.f(name), "Random Roughness")) for name in ("Roughness", "Radial Roughness"))
+    if p.parametrization == "ABSORPTION":
+        absorption = f"max(color({p.v('Absorption Coefficient')}), color(0))"
+    elif p.parametrization == "MELANIN":
+        melanin = varied(p.f("Melanin"), "Random Color")
+        absorption = f"b_hair_of_melanin({melanin}, {p.f('Melanin Redness')}) + b_hair_of_color({p.c('Tint')}, {around})"
+    else:
+        absorption = f"b_hair_of_color({p.c('Color')}, {around})"
+    body = f"b_hair(N, normalize(dPdu), {absorption}, {along}, {around}, {p.f('Coat')}, {p.f('IOR')}, {p.f('Offset')})"
+    return {"BSDF": ("closure color", body)}
+
+
+@node("BSDF_HAIR")
 def hair(p):
     p.warn("hair is shown as diffuse reflection and transmission")
     color = color_of(p)

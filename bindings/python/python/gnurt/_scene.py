@@ -146,6 +146,7 @@ class Scene(_Scene):
         normals=None,
         texcoords=None,
         colors=None,
+        attributes=None,
         name=None,
         material=None,
         transform=None,
@@ -155,7 +156,7 @@ class Scene(_Scene):
 
         vertices (n, 3) and radii, (n,) or one number, go strand by strand; counts says how many each strand has, and its absence that all
         are one. basis: "linear", "bezier", "bspline", "catmull-rom". form: "flat" ribbons face each ray, "round" ones are tubes,
-        "oriented" ones lie across normals (n, 3). texcoords (n, 2), colors (n, 4). Other arguments as of `add_mesh`.
+        "oriented" ones lie across normals (n, 3). texcoords (n, 2), colors (n, 4); attributes have a row for each vertex. Other arguments as of `add_mesh`.
         """
         given = {
             "vertices": vertices,
@@ -166,6 +167,7 @@ class Scene(_Scene):
             "normals": normals,
             "texcoords": texcoords,
             "colors": colors,
+            "attributes": attributes,
             "name": name,
             "material": material,
             "transform": transform,
@@ -180,6 +182,7 @@ class Scene(_Scene):
         *,
         texcoords=None,
         colors=None,
+        attributes=None,
         name=None,
         material=None,
         transform=None,
@@ -191,6 +194,7 @@ class Scene(_Scene):
             "radii": radii,
             "texcoords": texcoords,
             "colors": colors,
+            "attributes": attributes,
             "name": name,
             "material": material,
             "transform": transform,

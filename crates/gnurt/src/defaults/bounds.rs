@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The box around a scene, from the description alone. Space: world; double precision.
-//! Only corners of triangles count: unused points and points that are not finite are ignored.
+//! Corners of triangles count, and balls around the vertices of curves and spheres: unused points and points that are not
+//! finite are ignored.
 //! Invariant: `min <= max` in each axis. Tests: `tests::counts_what_is_seen`.
 
-use crate::scene::{Affine, Mesh, Scene};
+use crate::scene::{Affine, Mesh, Primitives, Scene};
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,10 +118,20 @@ pub fn bounds_over(scene: &mut Scene, clip: usize) -> Option<Bounds> {
 }
 
 fn mesh_bounds(mesh: &Mesh) -> Option<Bounds> {
-    let of_triangles = mesh.indices.iter().flatten().filter_map(|&i| mesh.positions.get(i as usize));
-    // Curves and spheres: their vertices. They are thin beside the scene.
-    let of_others = mesh.positions.iter().filter(|_| !mesh.has_triangles());
-    Bounds::around(of_triangles.chain(of_others).map(|p| p.map(f64::from)))
+    let radii = match &mesh.primitives {
+        Primitives::Triangles => {
+            let corners = mesh.indices.iter().flatten().filter_map(|&i| mesh.positions.get(i as usize));
+            return Bounds::around(corners.map(|p| p.map(f64::from)));
+        }
+        Primitives::Curves(curves) => &curves.radii,
+        Primitives::Spheres(radii) => radii,
+    };
+    let balls = mesh.positions.iter().zip(radii).filter(|(_, radius)| **radius > 0.0);
+    Bounds::around(
+        balls.flat_map(|(p, &radius)| {
+            [-1.0, 1.0].map(|side| p.map(|x| f64::from(x) + side * f64::from(radius)))
+        }),
+    )
 }
 
 #[cfg(test)]
@@ -154,5 +165,16 @@ mod tests {
         scene.instantiate(pair, Affine::translation([11.0, 1.0, 0.0]));
         let bounds = bounds_of(&scene).expect("more triangles");
         assert_eq!(bounds.max, [12.0, 10.0, 0.0], "objects in objects count");
+    }
+
+    #[test]
+    fn counts_radii() {
+        let mut scene = Scene::new();
+        let primitives = Primitives::Spheres(vec![2.0, 0.0]);
+        let mesh =
+            scene.add_mesh(Mesh { positions: vec![[1.0; 3], [9.0; 3]], primitives, ..Mesh::default() });
+        let object = scene.add_object_of("ball", vec![mesh]);
+        scene.instantiate(object, Affine::translation([0.0; 3]));
+        assert_eq!(bounds_of(&scene), Some(Bounds { min: [-1.0; 3], max: [3.0; 3] }));
     }
 }
