@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The closures that the renderer supports: all of OSL's, MaterialX's among them, and `radiance`.
-//! Source: the OSL specification, chapter 7.10, and its MaterialX closures; `parts` converts each of them.
+//! `parts` converts each of them.
 //! Tests: `tests/scripts/closures.rs`.
 
 use std::sync::LazyLock;
 
-use gnurt_sl::exec::{ClosureDecl, ClosureParam};
-use gnurt_sl::types::{Base, Type};
+use gnurt_sl::exec::{ClosureDecl, standard_closures};
 
 /// The renderer's counterpart of a closure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,39 +37,37 @@ pub(crate) enum Known {
     Nothing,
 }
 
-/// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure. Keyword arguments: `~`
-/// a thin film's thickness (nanometres) and index, `+` whether multiple scattering between microfacets is
-/// added, `?` the name of the model, `|` a film and whether both sides of a pane are one surface.
-const TABLE: [(Known, &str, &str); 29] = [
-    (Known::Emission, "emission", ""),
-    (Known::Emission, "background", ""),
-    (Known::Radiance, "radiance", ""),
-    (Known::Diffuse, "diffuse", "V"),
-    (Known::OrenNayar, "oren_nayar", "VF"),
-    (Known::Translucent, "translucent", "V"),
-    (Known::Phong, "phong", "VF"),
-    (Known::Ward, "ward", "VVFF"),
-    (Known::Microfacet, "microfacet", "SVVFFFI"),
-    (Known::Reflection, "reflection", "VF"),
-    (Known::Refraction, "refraction", "VF"),
-    (Known::Transparent, "transparent", ""),
-    (Known::Nothing, "debug", "S"),
-    (Known::Nothing, "holdout", ""),
-    (Known::Subsurface, "subsurface", "FFCC"),
-    (Known::OrenNayarDiffuse, "oren_nayar_diffuse_bsdf", "VCF+"),
-    (Known::Burley, "burley_diffuse_bsdf", "VCF"),
-    (Known::Dielectric, "dielectric_bsdf", "VVCCFFFS|"),
-    (Known::Conductor, "conductor_bsdf", "VVFFCCS~"),
-    (Known::Schlick, "generalized_schlick_bsdf", "VVCCFFCCFS~"),
-    (Known::TranslucentBsdf, "translucent_bsdf", "VC"),
-    (Known::Transparent, "transparent_bsdf", ""),
-    (Known::SubsurfaceBssrdf, "subsurface_bssrdf", "VCCF"),
-    (Known::Sheen, "sheen_bsdf", "VCF?"),
-    (Known::Hair, "chiang_hair_bsdf", "VVCCCFFFFFFFFC"),
-    (Known::UniformEdf, "uniform_edf", "C"),
-    (Known::Nothing, "anisotropic_vdf", "CCF"),
-    (Known::Nothing, "medium_vdf", "CFCFFI"),
-    (Known::Layer, "layer", "KK"),
+/// The counterparts of [`standard_closures`], by name.
+const KNOWN: [(Known, &str); 29] = [
+    (Known::Emission, "emission"),
+    (Known::Emission, "background"),
+    (Known::Radiance, "radiance"),
+    (Known::Diffuse, "diffuse"),
+    (Known::OrenNayar, "oren_nayar"),
+    (Known::Translucent, "translucent"),
+    (Known::Phong, "phong"),
+    (Known::Ward, "ward"),
+    (Known::Microfacet, "microfacet"),
+    (Known::Reflection, "reflection"),
+    (Known::Refraction, "refraction"),
+    (Known::Transparent, "transparent"),
+    (Known::Nothing, "debug"),
+    (Known::Nothing, "holdout"),
+    (Known::Subsurface, "subsurface"),
+    (Known::OrenNayarDiffuse, "oren_nayar_diffuse_bsdf"),
+    (Known::Burley, "burley_diffuse_bsdf"),
+    (Known::Dielectric, "dielectric_bsdf"),
+    (Known::Conductor, "conductor_bsdf"),
+    (Known::Schlick, "generalized_schlick_bsdf"),
+    (Known::TranslucentBsdf, "translucent_bsdf"),
+    (Known::Transparent, "transparent_bsdf"),
+    (Known::SubsurfaceBssrdf, "subsurface_bssrdf"),
+    (Known::Sheen, "sheen_bsdf"),
+    (Known::Hair, "chiang_hair_bsdf"),
+    (Known::UniformEdf, "uniform_edf"),
+    (Known::Nothing, "anisotropic_vdf"),
+    (Known::Nothing, "medium_vdf"),
+    (Known::Layer, "layer"),
 ];
 
 /// A closure, and where its parameters' numbers are.
@@ -83,44 +80,20 @@ pub(crate) struct Shape {
     pub(crate) plain: usize,
 }
 
-static ALL: LazyLock<(Vec<ClosureDecl>, Vec<Shape>)> = LazyLock::new(|| {
-    let param = |code: char| {
-        let base = match code {
-            'V' => Base::Vector,
-            'F' => Base::Float,
-            'I' => Base::Int,
-            'C' => Base::Color,
-            'K' => Base::Closure,
-            _ => Base::String,
-        };
-        ClosureParam { ty: Type::of(base), key: None }
-    };
-    let key = |name: &str, base| ClosureParam { ty: Type::of(base), key: Some(name.into()) };
-    let decl = |(known, name, codes): (Known, &str, &str)| {
-        let plain = codes.trim_end_matches(['~', '+', '?', '|']);
-        let named = match &codes[plain.len()..] {
-            "~" => vec![key("thinfilm_thickness", Base::Float), key("thinfilm_ior", Base::Float)],
-            "|" => vec![
-                key("thinfilm_thickness", Base::Float),
-                key("thinfilm_ior", Base::Float),
-                key("thin_walled", Base::Int),
-            ],
-            "+" => vec![key("energy_compensation", Base::Int)],
-            "?" => vec![key("mode", Base::Int)],
-            _ => Vec::new(),
-        };
-        let params: Vec<ClosureParam> = plain.chars().map(param).chain(named).collect();
+static SHAPES: LazyLock<Vec<Shape>> = LazyLock::new(|| {
+    let shape = |decl: &ClosureDecl| {
+        let known =
+            KNOWN.iter().find(|(_, name)| *name == &*decl.name).expect("the tables have the same names").0;
         let mut firsts = vec![0];
-        for param in &params {
+        for param in &decl.params {
             firsts.push(firsts.last().copied().unwrap_or(0) + param.ty.size());
         }
-        let shape = Shape { known, firsts, plain: plain.len() };
-        (ClosureDecl { name: name.into(), params }, shape)
+        Shape { known, firsts, plain: decl.params.iter().filter(|param| param.key.is_none()).count() }
     };
-    TABLE.into_iter().map(decl).unzip()
+    standard_closures().iter().map(shape).collect()
 });
 
 /// All of them, and their counterparts.
 pub(crate) fn all() -> (&'static [ClosureDecl], &'static [Shape]) {
-    (&ALL.0, &ALL.1)
+    (standard_closures(), &SHAPES)
 }

@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 29] = [
+const ARROWS: [(&str, &[&str]); 30] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -29,6 +29,7 @@ const ARROWS: [(&str, &[&str]); 29] = [
     ("plugins", &["gnurt"]),
     ("sl", &["sl-lib"]),
     ("jit", &["simd", "sl-lib", "sl"]),
+    ("osl", &["simd", "sl-lib", "sl", "jit"]),
     ("cli", &["gnurt", "bench", "view", "plugins", "sl", "jit"]),
     ("anari", &["gnurt"]),
     ("openrt", &["gnurt", "plugins"]),

@@ -6,6 +6,7 @@ use super::components::ClosureDecl;
 use crate::hir::Data;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::color::ColorSystem;
 use gnurt_sl_lib::points::{Column, PointCloud};
 use std::sync::{Arc, LazyLock};
 
@@ -371,6 +372,9 @@ pub trait Host {
         0
     }
 
-    /// The colour system of the shaders.
-    fn color_system(&self) -> &gnurt_sl_lib::color::ColorSystem;
+    /// The colour system of the shaders; by default Rec. 709.
+    fn color_system(&self) -> &ColorSystem {
+        static REC_709: LazyLock<ColorSystem> = LazyLock::new(ColorSystem::default);
+        &REC_709
+    }
 }

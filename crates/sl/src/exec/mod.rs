@@ -31,6 +31,7 @@ mod scalar;
 mod single_op;
 mod slot;
 mod space;
+mod standard;
 mod state;
 mod strings;
 mod table;
@@ -51,5 +52,6 @@ pub use machine::{
     Copy, Event, Flow, Instruction, LayerPlan, Loop, Machine, Memory, Message, Param, Plan, Source, Step,
 };
 pub use slot::{RetainedOutput, Slot};
+pub use standard::standard_closures;
 pub use strings::{Strings, WELL_KNOWN};
 pub use table::unknown_operation;

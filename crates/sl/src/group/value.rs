@@ -55,6 +55,45 @@ impl Value {
     }
 }
 
+impl From<f32> for Value {
+    fn from(value: f32) -> Self {
+        Self { ty: Type::FLOAT, data: Data::Float(vec![value]) }
+    }
+}
+
+impl From<i32> for Value {
+    fn from(value: i32) -> Self {
+        Self { ty: Type::INT, data: Data::Int(vec![value]) }
+    }
+}
+
+impl From<&str> for Value {
+    fn from(value: &str) -> Self {
+        Self { ty: Type::STRING, data: Data::Str(vec![value.into()]) }
+    }
+}
+
+impl From<[f32; 3]> for Value {
+    /// A colour, point, vector or normal, as the parameter wants it.
+    fn from(value: [f32; 3]) -> Self {
+        Self { ty: Type::COLOR, data: Data::Float(value.to_vec()) }
+    }
+}
+
+impl From<[f32; 16]> for Value {
+    /// A matrix, row by row; points are rows.
+    fn from(value: [f32; 16]) -> Self {
+        Self { ty: Type::MATRIX, data: Data::Float(value.to_vec()) }
+    }
+}
+
+impl From<&[f32]> for Value {
+    /// An array of floats.
+    fn from(value: &[f32]) -> Self {
+        Self { ty: Type::FLOAT.array_of(value.len() as i32), data: Data::Float(value.to_vec()) }
+    }
+}
+
 fn floats(text: &str) -> Option<Vec<f32>> {
     text.split(',').map(|keyword| keyword.trim().parse().ok()).collect()
 }
