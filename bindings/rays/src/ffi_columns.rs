@@ -27,6 +27,10 @@ enum Type {
     U64,
 }
 
+impl Array {
+    pub(crate) const EMPTY: Self = Self { data: std::ptr::null(), count: 0, stride: 0, of: 0 };
+}
+
 /// Rows that are read.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows {

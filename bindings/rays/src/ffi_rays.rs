@@ -8,13 +8,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use gnurt_accel::{Aabb, BuildOptions, Memory, Quality, Ray, Structure, Threads, UserGeometry, UserHit};
+use gnurt_accel::{
+    Aabb, BuildOptions, CurveBasis, CurveForm, Memory, Quality, Ray, Structure, Threads, UserGeometry,
+    UserHit,
+};
 
 use crate::ffi_catch;
 use crate::ffi_columns::{Access, Array, Column, Rows, aabb};
 use crate::ffi_memory::Pointer;
 use crate::pools::Workers;
-use crate::ray_scene::{Built, Columns, IDENTITY, Part, Primitives, RayScene, What, query_tree};
+use crate::ray_scene::{Built, Columns, CurveArrays, IDENTITY, Part, Primitives, RayScene, What, query_tree};
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
@@ -236,6 +239,109 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_add_spheres(
     }
 }
 
+/// Adds discs.
+///
+/// # Safety
+/// As [`gnurt_add_triangles`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn gnurt_add_discs(
+    scene: *mut RayScene,
+    centers: Array,
+    radii: Array,
+    normals: Array,
+    mask: u32,
+    id: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, id, mask, || {
+            for (what, array) in [("radii", &radii), ("normals", &normals)] {
+                if centers.count != array.count && !(what == "normals" && array.data.is_null()) {
+                    return Err(format!("{what}: {} for {} centres", array.count, centers.count));
+                }
+            }
+            let centers = Column::Given(Rows::new(&centers, 3, Access::Floats, "centers")?);
+            let radii = Column::Given(Rows::new(&radii, 1, Access::Floats, "radii")?);
+            let normals = match normals.data.is_null() {
+                true => None,
+                false => Some(Column::Given(Rows::new(&normals, 3, Access::Floats, "normals")?)),
+            };
+            Ok(What::Discs { centers, radii, normals })
+        })
+    }
+}
+
+/// `gnurt_curves`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub(crate) struct CurvesGiven {
+    basis: u32,
+    form: u32,
+    vertices: Array,
+    segments: Array,
+    tangents: Array,
+    normals: Array,
+    normal_tangents: Array,
+}
+
+/// Adds curves.
+///
+/// # Safety
+/// As [`gnurt_add_triangles`]; curves, or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn gnurt_add_curves(
+    scene: *mut RayScene,
+    curves: *const CurvesGiven,
+    mask: u32,
+    id: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, id, mask, || {
+            let given = curves.as_ref().ok_or("curves: a null pointer")?;
+            let basis = match given.basis {
+                0 => CurveBasis::Linear,
+                1 => CurveBasis::Bezier,
+                2 => CurveBasis::BSpline,
+                3 => CurveBasis::CatmullRom,
+                4 => CurveBasis::Hermite,
+                other => return Err(format!("basis: {other}; one of enum gnurt_basis is expected")),
+            };
+            let form = match given.form {
+                0 => CurveForm::Flat,
+                1 => CurveForm::Round,
+                2 => CurveForm::Oriented,
+                other => return Err(format!("form: {other}; one of enum gnurt_form is expected")),
+            };
+            let (has_tangents, has_normals) = (basis == CurveBasis::Hermite, form == CurveForm::Oriented);
+            for (what, array, is_needed) in [
+                ("tangents", &given.tangents, has_tangents),
+                ("normals", &given.normals, has_normals),
+                ("normal_tangents", &given.normal_tangents, has_tangents && has_normals),
+            ] {
+                let needed = if is_needed { given.vertices.count } else { 0 };
+                if array.count != needed {
+                    return Err(format!("{what}: {} rows; {needed} are expected", array.count));
+                }
+            }
+            // No rows of any type are fine.
+            let rows = |array: &Array, width: usize, what: &str| {
+                let array = if array.count == 0 { Array::EMPTY } else { *array };
+                Rows::new(&array, width, Access::Floats, what)
+            };
+            Ok(What::Curves(Box::new(CurveArrays {
+                basis,
+                form,
+                vertices: Column::Given(rows(&given.vertices, 4, "vertices")?),
+                segments: Column::Given(Rows::new(&given.segments, 1, Access::Indices, "segments")?),
+                tangents: Column::Given(rows(&given.tangents, 4, "tangents")?),
+                normals: Column::Given(rows(&given.normals, 3, "normals")?),
+                normal_tangents: Column::Given(rows(&given.normal_tangents, 3, "normal_tangents")?),
+            })))
+        })
+    }
+}
+
 /// `gnurt_user_ray`.
 #[repr(C)]
 pub(crate) struct UserRay {
@@ -417,6 +523,15 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_positions(
     array: Array,
 ) -> c_int {
     let change = |scene: &mut RayScene| {
+        if let What::Curves(curves) = &mut scene.part(id)?.what {
+            // SAFETY: passed on.
+            let rows = unsafe { Rows::new(&array, 4, Access::Floats, "positions")? };
+            if rows.len() != curves.vertices.len() {
+                return Err(format!("positions: {} for {} vertices", rows.len(), curves.vertices.len()));
+            }
+            curves.vertices = Column::Given(rows);
+            return Ok(());
+        }
         // SAFETY: passed on.
         let rows = unsafe { Rows::new(&array, 3, Access::Floats, "positions")? };
         let new = Column::Given(rows.clone());
@@ -425,11 +540,17 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_positions(
                 (*positions, *doubles) = (new, Column::Given(rows));
             }
             What::Quads { positions, .. } => *positions = new,
-            What::Spheres { centers, radii } if radii.len() == new.len() => *centers = new,
-            What::Spheres { radii, .. } => {
+            What::Spheres { centers, radii } | What::Discs { centers, radii, .. }
+                if radii.len() == new.len() =>
+            {
+                *centers = new;
+            }
+            What::Spheres { radii, .. } | What::Discs { radii, .. } => {
                 return Err(format!("positions: {} for {} radii", new.len(), radii.len()));
             }
-            What::User(_) | What::Instance { .. } => return Err(format!("id: {id} has no positions")),
+            What::Curves(_) | What::User(_) | What::Instance { .. } => {
+                return Err(format!("id: {id} has no positions"));
+            }
         }
         Ok(())
     };

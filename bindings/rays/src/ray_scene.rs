@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use gnurt_accel::doubles::{DoubleInstance, DoubleMesh, DoubleScene};
 use gnurt_accel::{
-    BuildOptions, Geometry, GeometryKind, Instance, Motion, MovingTree, ObjectTree, Quads, SceneTree, Shape,
-    Spheres, Threads, Triangles, UserGeometry,
+    BuildOptions, CurveBasis, CurveForm, Curves, Discs, Geometry, GeometryKind, Instance, Motion, MovingTree,
+    ObjectTree, Quads, SceneTree, Shape, Spheres, Threads, Triangles, UserGeometry,
 };
 
 use crate::ffi_columns::{Column, Rows};
@@ -36,6 +36,13 @@ pub(crate) enum What {
         centers: Column<[f32; 3]>,
         radii: Column<f32>,
     },
+    Discs {
+        centers: Column<[f32; 3]>,
+        radii: Column<f32>,
+        /// None of discs that face rays.
+        normals: Option<Column<[f32; 3]>>,
+    },
+    Curves(Box<CurveArrays>),
     User(Primitives),
     Instance {
         shown: Arc<Built>,
@@ -60,6 +67,20 @@ impl What {
                 centers.keep(Rows::floats);
                 radii.keep(|rows| rows.floats::<1>().into_iter().map(|[r]| r).collect());
             }
+            Self::Discs { centers, radii, normals } => {
+                centers.keep(Rows::floats);
+                radii.keep(|rows| rows.floats::<1>().into_iter().map(|[r]| r).collect());
+                normals.iter_mut().for_each(|normals| normals.keep(Rows::floats));
+            }
+            Self::Curves(curves) => {
+                let CurveArrays { vertices, segments, tangents, normals, normal_tangents, .. } =
+                    &mut **curves;
+                vertices.keep(Rows::floats);
+                segments.keep(|rows| rows.u32_rows::<1>().into_iter().map(|[first]| first).collect());
+                tangents.keep(Rows::floats);
+                normals.keep(Rows::floats);
+                normal_tangents.keep(Rows::floats);
+            }
             Self::User(_) | Self::Instance { .. } => {}
         }
     }
@@ -79,6 +100,25 @@ impl What {
                 let (centers, radii) = (centers.retained(), radii.retained());
                 (GeometryKind::Spheres(Spheres { centers, radii }), radii.len())
             }
+            Self::Discs { centers, radii, normals } => {
+                let (centers, radii) = (centers.retained(), radii.retained());
+                let normals = normals.as_ref().map(Column::retained);
+                (GeometryKind::Discs(Discs { centers, radii, normals }), radii.len())
+            }
+            Self::Curves(curves) => {
+                let made = Curves {
+                    tangents: curves.tangents.retained(),
+                    normals: curves.normals.retained(),
+                    normal_tangents: curves.normal_tangents.retained(),
+                    ..Curves::new(
+                        curves.basis,
+                        curves.form,
+                        curves.vertices.retained(),
+                        curves.segments.retained(),
+                    )
+                };
+                (GeometryKind::Curves(made), made.indices.len())
+            }
             Self::User(user) => {
                 let geometry = Arc::clone(&user.geometry);
                 let count = geometry.count() as usize;
@@ -87,6 +127,18 @@ impl What {
             Self::Instance { .. } => return None,
         })
     }
+}
+
+/// Curves with a width, as `gnurt_accel::Curves`.
+#[derive(Clone, Debug)]
+pub(crate) struct CurveArrays {
+    pub(crate) basis: CurveBasis,
+    pub(crate) form: CurveForm,
+    pub(crate) vertices: Column<[f32; 4]>,
+    pub(crate) segments: Column<u32>,
+    pub(crate) tangents: Column<[f32; 4]>,
+    pub(crate) normals: Column<[f32; 3]>,
+    pub(crate) normal_tangents: Column<[f32; 3]>,
 }
 
 /// Primitives of the program, and how often its test has thrown an exception.

@@ -62,6 +62,24 @@ int gnurt_scene_options(gnurt_scene *, const gnurt_build *);
 int gnurt_add_triangles(gnurt_scene *, gnurt_array positions, gnurt_array indices, uint32_t mask, uint32_t *id);
 int gnurt_add_quads(gnurt_scene *, gnurt_array positions, gnurt_array indices, uint32_t mask, uint32_t *id);
 int gnurt_add_spheres(gnurt_scene *, gnurt_array centers, gnurt_array radii, uint32_t mask, uint32_t *id);
+/* Without normals (no data) discs face each ray. */
+int gnurt_add_discs(gnurt_scene *, gnurt_array centers, gnurt_array radii, gnurt_array normals, uint32_t mask, uint32_t *id);
+
+/* Curves with a width: hair, grass, wires. A primitive is a segment: `u` of its hits runs along it from 0 to 1, `v` across: from -1 to 1 on
+ * flat ones, from 0 to 1 on oriented ones, 0 on round ones. */
+enum gnurt_basis { GNURT_LINEAR = 0, GNURT_BEZIER = 1, GNURT_BSPLINE = 2, GNURT_CATMULL_ROM = 3, GNURT_HERMITE = 4 };
+/* Ribbons that face each ray; tubes; ribbons across the normals of the vertices. */
+enum gnurt_form { GNURT_FLAT = 0, GNURT_ROUND = 1, GNURT_ORIENTED = 2 };
+typedef struct gnurt_curves {
+    enum gnurt_basis basis;
+    enum gnurt_form form;
+    gnurt_array vertices;        /* rows of four: x, y, z, radius */
+    gnurt_array segments;        /* indices of first vertices; a segment takes the next ones, too: two in all, or four of the middle three bases */
+    gnurt_array tangents;        /* Hermite: rows of four, derivatives of the vertices; no data otherwise */
+    gnurt_array normals;         /* oriented: rows of three; no data otherwise */
+    gnurt_array normal_tangents; /* oriented and Hermite: rows of three; no data otherwise */
+} gnurt_curves;
+int gnurt_add_curves(gnurt_scene *, const gnurt_curves *, uint32_t mask, uint32_t *id);
 
 /* Primitives of the program's own. Boxes are asked for by gnurt_add_user and gnurt_set_user; `intersect` is called from all threads that
  * ask, those of the library among them. */
@@ -86,7 +104,7 @@ int gnurt_add_user(gnurt_scene *, const gnurt_user *, uint32_t mask, uint32_t *i
 int gnurt_add_instance(gnurt_scene *, const gnurt_scene *shown, const double place[12], uint32_t mask, uint32_t *id);
 
 /* Edits, for the next commit. Removed ids are not given again. */
-int gnurt_set_positions(gnurt_scene *, uint32_t id, gnurt_array positions);
+int gnurt_set_positions(gnurt_scene *, uint32_t id, gnurt_array positions); /* rows of four for curves */
 int gnurt_set_user(gnurt_scene *, uint32_t id, const gnurt_user *); /* other primitives, or the same where they are now */
 int gnurt_set_place(gnurt_scene *, uint32_t id, const double place[12]);
 int gnurt_set_shown(gnurt_scene *, uint32_t id, const gnurt_scene *shown);

@@ -190,6 +190,86 @@ static void ball_intersect(void *user, size_t count, const gnurt_user_ray *all, 
     }
 }
 
+/* A strand of two straight segments, a bent one of each basis between the same points, and discs. */
+static void strands(void)
+{
+    static const float strand[3][4] = { { -2, 0, 0, 0.5f }, { 0, 0, 0, 0.5f }, { 2, 0, 0, 0.5f } };
+    static const uint32_t firsts[2] = { 0, 1 };
+    static const float normals[3][3] = { { 0, 0, -1 }, { 0, 0, -1 }, { 0, 0, -1 } };
+    const gnurt_array none = { NULL, 0, 0, GNURT_F32 };
+    float from[3][3] = { { -1, 0.3f, -7 }, { 1, 0, -7 }, { 0, 0.6f, -7 } }, dir[3] = { 0, 0, 1 };
+    gnurt_rays all;
+    memset(&all, 0, sizeof all);
+    all.count = 3;
+    all.origins = rows(from, 3, 0, GNURT_F32);
+    all.directions = rows(dir, 1, 0, GNURT_F32);
+    struct found got[3];
+    gnurt_hits to = places(got);
+    for (int form = GNURT_FLAT; form <= GNURT_ORIENTED; form++) {
+        gnurt_curves curves = { GNURT_LINEAR, (enum gnurt_form)form, rows(strand, 3, 0, GNURT_F32), rows(firsts, 2, 0, GNURT_U32), none, none, none };
+        gnurt_scene *scene = gnurt_scene_new();
+        if (form == GNURT_ORIENTED) {
+            REFUSED(gnurt_add_curves(scene, &curves, 1, NULL), "normals: 0 rows; 3 are expected");
+            curves.normals = rows(normals, 3, 0, GNURT_F32);
+        }
+        uint32_t id;
+        OK(gnurt_add_curves(scene, &curves, 1, &id));
+        OK(gnurt_commit(scene));
+        OK(gnurt_intersect(scene, &all, NULL, &to));
+        float depth = form == GNURT_ROUND ? 7 - 0.4f : 7;
+        CHECK(fabsf(got[0].t - depth) < 1e-5f && got[0].prim == 0 && got[0].geom == id, "%d: %g %u", form, got[0].t, got[0].prim);
+        CHECK(fabsf(got[0].u - 0.5f) < 1e-5f && got[1].prim == 1, "%d: along: %g", form, got[0].u);
+        CHECK(got[2].t == INFINITY, "%d: beside it", form);
+        float moved[3][4];
+        memcpy(moved, strand, sizeof moved);
+        for (int i = 0; i < 3; i++)
+            moved[i][2] = 3;
+        REFUSED(gnurt_set_positions(scene, id, rows(moved, 2, 0, GNURT_F32)), "positions: 2 for 3 vertices");
+        OK(gnurt_set_positions(scene, id, rows(moved, 3, 0, GNURT_F32)));
+        OK(gnurt_commit(scene));
+        OK(gnurt_intersect(scene, &all, NULL, &to));
+        CHECK(fabsf(got[0].t - depth - 3) < 1e-5f, "%d: it has moved: %g", form, got[0].t);
+        gnurt_scene_free(scene);
+    }
+    /* The line from -1 to 1 in the form of each cubic. */
+    static const float lines[4][4][4] = {
+        { { -1, 0, 0, 0.5f }, { -1 / 3.f, 0, 0, 0.5f }, { 1 / 3.f, 0, 0, 0.5f }, { 1, 0, 0, 0.5f } },
+        { { -3, 0, 0, 0.5f }, { -1, 0, 0, 0.5f }, { 1, 0, 0, 0.5f }, { 3, 0, 0, 0.5f } },
+        { { -3, 0, 0, 0.5f }, { -1, 0, 0, 0.5f }, { 1, 0, 0, 0.5f }, { 3, 0, 0, 0.5f } },
+        { { -1, 0, 0, 0.5f }, { 1, 0, 0, 0.5f }, { 0, 0, 0, 0 }, { 0, 0, 0, 0 } },
+    };
+    static const float tangents[4][4] = { { 2, 0, 0, 0 }, { 2, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 0 } };
+    from[0][0] = 0.5f;
+    for (int basis = GNURT_BEZIER; basis <= GNURT_HERMITE; basis++) {
+        size_t count = basis == GNURT_HERMITE ? 2 : 4;
+        gnurt_curves curves = { (enum gnurt_basis)basis, GNURT_ROUND, rows(lines[basis - 1], count, 0, GNURT_F32), rows(firsts, 1, 0, GNURT_U32), none, none, none };
+        if (basis == GNURT_HERMITE)
+            curves.tangents = rows(tangents, count, 0, GNURT_F32);
+        gnurt_scene *scene = gnurt_scene_new();
+        OK(gnurt_add_curves(scene, &curves, 1, NULL));
+        OK(gnurt_commit(scene));
+        OK(gnurt_intersect(scene, &all, NULL, &to));
+        CHECK(fabsf(got[0].t - 6.6f) < 1e-4f && fabsf(got[0].u - 0.75f) < 1e-4f, "%d: %g at %g", basis, got[0].t, got[0].u);
+        gnurt_scene_free(scene);
+    }
+    static const float centers[1][3] = { { 0, 0, 0 } }, radius[1] = { 0.55f }, tilted[1][3] = { { 0, 1, -1 } };
+    from[0][0] = 0, from[1][0] = 0.5f;
+    for (int has_normal = 0; has_normal < 2; has_normal++) {
+        gnurt_scene *scene = gnurt_scene_new();
+        REFUSED(gnurt_add_discs(scene, rows(centers, 1, 0, GNURT_F32), none, none, 1, NULL), "radii: 0 for 1 centres");
+        OK(gnurt_add_discs(scene, rows(centers, 1, 0, GNURT_F32), rows(radius, 1, 0, GNURT_F32),
+                           has_normal ? rows(tilted, 1, 0, GNURT_F32) : none, 1, NULL));
+        OK(gnurt_commit(scene));
+        OK(gnurt_intersect(scene, &all, NULL, &to));
+        CHECK(fabsf(got[0].t - (has_normal ? 7.3f : 7)) < 1e-5f && got[1].t == 7 && got[2].t == INFINITY, "%d: discs: %g %g %g", has_normal,
+              got[0].t, got[1].t, got[2].t);
+        gnurt_scene_free(scene);
+    }
+    gnurt_scene *scene = gnurt_scene_new();
+    REFUSED(gnurt_add_curves(scene, NULL, 1, NULL), "curves: a null pointer");
+    gnurt_scene_free(scene);
+}
+
 /* A quad, spheres and balls of the program's, in a scene, in another, in a third; then edits. */
 static void scenes_in_scenes(void)
 {
@@ -373,6 +453,7 @@ int main(void)
 {
     CHECK(gnurt_rays_version() > 0 && gnurt_last_error()[0] == 0, "nothing is wrong yet");
     triangles();
+    strands();
     scenes_in_scenes();
     solids();
     errors();
