@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::arrays::{New, Output};
-use crate::hits::{AllHits, Found, Hits};
+use crate::hits::{AllHits, Found, Hits, Origin};
 use crate::pool::Workers;
 use crate::rays::Rays;
 use crate::trees::{Trees, run_query};
@@ -109,7 +109,7 @@ impl RayQuery {
             u: u.done(),
             v: v.done(),
             count: n,
-            found: Found { trees: self.trees, threads: self.workers.count(), ids },
+            origin: Origin::Query(Found { trees: self.trees, threads: self.workers.count(), ids }),
         })
     }
 

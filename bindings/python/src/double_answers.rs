@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::answers::{AnyHit, POINTS, RayQuery, Which};
 use crate::arrays::New;
-use crate::hits::{AllHits, Found, Hits};
+use crate::hits::{AllHits, Found, Hits, Origin};
 use crate::rays::Rays;
 
 impl AnyHit for DoubleHit {
@@ -64,7 +64,7 @@ impl RayQuery {
             u: u.done(),
             v: v.done(),
             count: n,
-            found: Found { trees: self.trees, threads: self.workers.count(), ids },
+            origin: Origin::Query(Found { trees: self.trees, threads: self.workers.count(), ids }),
         })
     }
 

@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 use crate::arrays::New;
 use crate::pool::ThreadCount;
@@ -15,6 +17,25 @@ pub(crate) struct Found {
     pub(crate) threads: ThreadCount,
     /// Triangle, geometry, instance and leaf of each ray's hit, as the trees name them.
     pub(crate) ids: Vec<[u32; 4]>,
+}
+
+/// Where normals and paths come from.
+pub(crate) enum Origin {
+    Query(Found),
+    /// Of hits that were pickled.
+    Pickle {
+        normal: Py<PyAny>,
+        path: Py<PyAny>,
+    },
+}
+
+/// What pickle keeps: the function that makes hits again, and its arguments, arrays of these names.
+fn reduced<'py>(
+    hits: &Bound<'py, PyAny>,
+    names: &[&str],
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    let arrays: PyResult<Vec<_>> = names.iter().map(|name| hits.getattr(*name)).collect();
+    Ok((hits.get_type().getattr("_restored")?, PyTuple::new(hits.py(), arrays?)?))
 }
 
 /// Where each ray hits first. `len(hits)` is the number of rays. Of a scene of float64, `t`, `u`, `v` and `normal` are float64.
@@ -39,7 +60,7 @@ pub(crate) struct Hits {
     #[pyo3(get)]
     pub(crate) v: Py<PyAny>,
     pub(crate) count: usize,
-    pub(crate) found: Found,
+    pub(crate) origin: Origin,
 }
 
 #[pymethods]
@@ -47,11 +68,15 @@ impl Hits {
     /// float32 (n, 3): unit normals by the right hand rule; zeros where the ray missed.
     #[getter]
     fn normal(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        if let Some(scene) = &self.found.trees.doubles {
+        let Found { trees, threads, ids } = match &self.origin {
+            Origin::Query(found) => found,
+            Origin::Pickle { normal, .. } => return Ok(normal.clone_ref(py)),
+        };
+        if let Some(scene) = &trees.doubles {
             let mut normals = New::<f64>::empty(py, self.count, 3)?;
             let all = normals.all();
             py.detach(|| {
-                for (normal, [prim_id, geom_id, _, leaf_id]) in all.chunks_exact_mut(3).zip(&self.found.ids) {
+                for (normal, [prim_id, geom_id, _, leaf_id]) in all.chunks_exact_mut(3).zip(ids) {
                     normal.copy_from_slice(&scene.normal(*leaf_id, *geom_id, *prim_id));
                 }
             });
@@ -59,7 +84,6 @@ impl Hits {
         }
         let mut normals = New::<f32>::empty(py, self.count, 3)?;
         let all = normals.all();
-        let Found { trees, threads, ids } = &self.found;
         let workers = threads.workers()?;
         py.detach(|| {
             workers.threads().run(|parallel| {
@@ -79,7 +103,10 @@ impl Hits {
     /// int32 (n, levels): the instances along the path to the hit in nested scenes, outermost first; then -1.
     #[getter]
     fn path(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let Found { trees, ids, .. } = &self.found;
+        let Found { trees, ids, .. } = match &self.origin {
+            Origin::Query(found) => found,
+            Origin::Pickle { path, .. } => return Ok(path.clone_ref(py)),
+        };
         let levels = trees.levels();
         let mut paths = New::<u32>::empty(py, self.count, levels)?;
         let all = paths.all();
@@ -96,9 +123,41 @@ impl Hits {
         self.count
     }
 
-    fn __repr__(&self) -> String {
-        let hit = self.found.ids.iter().filter(|[prim_id, ..]| *prim_id != u32::MAX).count();
-        format!("<gnurt.Hits: {} rays, {hit} hit>", self.count)
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let hit: usize =
+            self.prim_id.bind(py).call_method1("__ge__", (0,))?.call_method0("sum")?.extract()?;
+        Ok(format!("<gnurt.Hits: {} rays, {hit} hit>", self.count))
+    }
+
+    /// For pickle: the arrays, without the scene.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let names = ["t", "prim_id", "geom_id", "inst_id", "u", "v", "normal", "path"];
+        reduced(slf.as_any(), &names)
+    }
+
+    #[staticmethod]
+    #[allow(clippy::too_many_arguments, reason = "an array each")]
+    fn _restored(
+        py: Python<'_>,
+        t: Py<PyAny>,
+        prim_id: Py<PyAny>,
+        geom_id: Py<PyAny>,
+        inst_id: Py<PyAny>,
+        u: Py<PyAny>,
+        v: Py<PyAny>,
+        normal: Py<PyAny>,
+        path: Py<PyAny>,
+    ) -> PyResult<Self> {
+        let count = t.bind(py).len()?;
+        for array in [&prim_id, &geom_id, &inst_id, &u, &v, &normal, &path] {
+            if array.bind(py).len()? != count {
+                return Err(PyValueError::new_err(
+                    "the pickle is damaged: its arrays have different lengths",
+                ));
+            }
+        }
+        let origin = Origin::Pickle { normal, path };
+        Ok(Self { t, prim_id, geom_id, inst_id, u, v, count, origin })
     }
 }
 
@@ -129,5 +188,26 @@ impl AllHits {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let hits = self.t.bind(py).len()?;
         Ok(format!("<gnurt.AllHits: {} rays, {hits} hits>", self.__len__(py)?))
+    }
+
+    /// For pickle.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        reduced(slf.as_any(), &["splits", "ray_id", "t", "prim_id", "geom_id", "inst_id", "path", "u", "v"])
+    }
+
+    #[staticmethod]
+    #[allow(clippy::too_many_arguments, reason = "an array each")]
+    fn _restored(
+        splits: Py<PyAny>,
+        ray_id: Py<PyAny>,
+        t: Py<PyAny>,
+        prim_id: Py<PyAny>,
+        geom_id: Py<PyAny>,
+        inst_id: Py<PyAny>,
+        path: Py<PyAny>,
+        u: Py<PyAny>,
+        v: Py<PyAny>,
+    ) -> Self {
+        Self { splits, ray_id, t, prim_id, geom_id, inst_id, path, u, v }
     }
 }

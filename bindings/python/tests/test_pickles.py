@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of arrays and files, pickled pictures, and logging."""
+"""Pictures of arrays and files, pickled pictures and hits, and logging."""
 
 import copy
 import io
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import gnurt
+from conftest import cube
 
 
 def rendered(**options):
@@ -76,3 +77,25 @@ def test_logging(caplog):
         rendered()
     assert [record.name for record in caplog.records] == ["gnurt"] * 2
     assert caplog.messages[0].startswith("read builtin:cornell") and caplog.messages[1].startswith("rendered 24 x 16")
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_hits_are_pickled(scene, rays, dtype):
+    both = gnurt.RayScene(dtype)
+    inner = gnurt.RayScene(dtype)
+    inner.add_triangles(*cube())
+    both.add_instance(inner, np.diag([2.0, 1, 1, 1]))
+    hits = both.intersect(*rays)
+    names = ("t", "prim_id", "geom_id", "inst_id", "u", "v", "normal", "path")
+    once = pickle.loads(pickle.dumps(hits))
+    for other in (once, copy.deepcopy(hits), pickle.loads(pickle.dumps(once))):
+        assert repr(other) == repr(hits) and len(other) == len(hits)
+        for name in names:
+            ours, theirs = getattr(other, name), getattr(hits, name)
+            assert ours.dtype == theirs.dtype and np.array_equal(ours, theirs), name
+    restore, arrays = hits.__reduce__()
+    with pytest.raises(ValueError, match="damaged"):
+        restore(arrays[0][:-1], *arrays[1:])
+    every = both.all_hits(*rays)
+    other = pickle.loads(pickle.dumps(every))
+    assert repr(other) == repr(every) and np.array_equal(other.splits, every.splits) and np.array_equal(other.path, every.path)
