@@ -107,7 +107,7 @@ pub(crate) fn strands(given: &mut Given, has_curves: bool) -> PyResult<Described
         let form = given.choice::<Form>("form")?.map_or(CurveForm::Round, |form| form.0);
         let counts = counts(given, count)?;
         mesh.normals = rows::<3>(given, "normals", count)?;
-        if (form == CurveForm::Oriented) != !mesh.normals.is_empty() {
+        if (form == CurveForm::Oriented) == mesh.normals.is_empty() {
             return Err(PyValueError::new_err("normals: go with form=\"oriented\", and are needed there"));
         }
         Primitives::Curves(Box::new(Curves { radii, ..Curves::of_strands(basis, form, counts) }))
