@@ -71,7 +71,7 @@ class GnurtEngine(bpy.types.RenderEngine):
         wanted = passes.wanted(layer, warned)
         if scene.render.use_multiview:
             warned("stereo views are rendered from one camera")
-        options = self.options(scene, size, export, wanted, masks)
+        options = self.options(scene, layer, size, export, wanted, masks)
         if ways:
             options |= ways.options(export)
         share = holdouts.rendered(masks, options) if masks else None
@@ -93,15 +93,20 @@ class GnurtEngine(bpy.types.RenderEngine):
             self.end_result(result)
             raise
         self.end_result(result)
+        for field, value in passes.matte_fields(layer, picture).items():
+            self.get_result().stamp_data_add_field(field, value)
         self.tell(scene, warned)
 
-    def options(self, scene, size, export, wanted, masks):
+    def options(self, scene, layer, size, export, wanted, masks):
         """Options of `Scene.render`."""
         settings = scene.gnurt
         transparent = scene.render.film_transparent or bool(masks)
         options = {"width": size[0], "height": size[1], "spp": settings.samples, "integrator": settings.integrator}
         options |= {"max_depth": settings.max_depth, "seed": settings.seed, "threads": settings.threads, "filter": "blackman-harris"}
         options["layers"] = bool(wanted) or transparent or settings.denoise
+        found = passes.mattes(layer)
+        if found:
+            options |= {"layers": ["all", *(word for word, _ in found)], "crypto_depth": passes.matte_depth(layer)}
         if settings.clamp > 0:
             options["clamp"] = settings.clamp
         if settings.noise > 0:

@@ -21,6 +21,22 @@ def of_number(number):
     return mixed((START + number) & MASK, START, START) / MASK
 
 
+def murmur(data):
+    """MurmurHash3_32 with seed 0 (Austin Appleby, public domain): the ids of Cryptomatte."""
+    made = 0
+    for start in range(0, len(data), 4):
+        part = data[start : start + 4]
+        k = int.from_bytes(part, "little") * 0xCC9E2D51 & MASK
+        k = (k << 15 | k >> 17) * 0x1B873593 & MASK
+        made ^= k
+        if len(part) == 4:
+            made = ((made << 13 | made >> 19) * 5 + 0xE6546B64) & MASK
+    made ^= len(data)
+    for shift, factor in ((16, 0x85EBCA6B), (13, 0xC2B2AE35), (16, 1)):
+        made = (made ^ made >> shift) * factor & MASK
+    return made
+
+
 def mixed(a, b, c):
     """The last mix of lookup3."""
 

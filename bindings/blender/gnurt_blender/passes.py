@@ -6,6 +6,8 @@ Blender's rows begin with the lowest; ours with the upper one. Depth is that alo
 
 import numpy as np
 
+from . import hashes
+
 # Property of the view layer: (name of the pass, channels, kind). Properties that are missing in a version are skipped.
 PASSES = {
     "use_pass_z": ("Depth", 1, "Z", "VALUE"),
@@ -21,7 +23,12 @@ PASSES = {
 OLD_NAMES = {"Object Index": "IndexOB", "Material Index": "IndexMA", "Diffuse Color": "DiffCol", "Emission": "Emit", "Environment": "Env"}
 NAMED = {"use_pass_vector": "Vector", "use_pass_mist": "Mist", "use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "Ambient occlusion"}
 NAMED |= {f"use_pass_{kind}_{part}": f"{kind} {part}" for kind in ("diffuse", "glossy", "transmission", "subsurface") for part in ("direct", "indirect", "color") if (kind, part) != ("diffuse", "color")}
-NAMED |= {"use_pass_cryptomatte_object": "Cryptomatte", "use_pass_cryptomatte_material": "Cryptomatte", "use_pass_cryptomatte_asset": "Cryptomatte"}
+# Mattes: (layer of the package, name of the first passes).
+MATTES = {
+    "use_pass_cryptomatte_object": ("crypto_object", "CryptoObject"),
+    "use_pass_cryptomatte_material": ("crypto_material", "CryptoMaterial"),
+    "use_pass_cryptomatte_asset": ("crypto_asset", "CryptoAsset"),
+}
 FAR = 1e10
 # Channels of the layer of ids.
 ID_INSTANCE, ID_MATERIAL = 1, 3
@@ -34,7 +41,33 @@ def wanted(layer, warn=None):
     for name in NAMED:
         if warn and getattr(layer, name, False):
             warn(f"view layer '{layer.name}': the pass {NAMED[name]} is not rendered")
-    return {entry[0]: entry for name, entry in PASSES.items() if getattr(layer, name, False)}
+    found = {entry[0]: entry for name, entry in PASSES.items() if getattr(layer, name, False)}
+    names = [f"{name}{level:02}" for _, name in mattes(layer) for level in range((matte_depth(layer) + 1) // 2)]
+    return found | {name: (name, 4, "rgba", "COLOR") for name in names}
+
+
+def mattes(layer):
+    """The mattes of a view layer: (layer of the package, name)."""
+    return [entry for name, entry in MATTES.items() if getattr(layer, name, False)]
+
+
+def matte_depth(layer):
+    """How many things of a pixel mattes keep."""
+    return max(2, getattr(layer, "pass_cryptomatte_depth", 6))
+
+
+def matte_fields(layer, picture):
+    """Attributes of the picture's file by which other programs find names in the mattes."""
+    fields = {}
+    for key, value in picture.metadata.items():
+        parts = key.split("/")
+        if len(parts) == 3 and parts[0] == "cryptomatte" and parts[2] == "name":
+            name = f"{layer.name}.{value}"
+            new = f"cryptomatte/{hashes.murmur(name.encode()):08x}"[:19]
+            fields[f"{new}/name"] = name
+            for field in ("hash", "conversion", "manifest"):
+                fields[f"{new}/{field}"] = picture.metadata[f"cryptomatte/{parts[1]}/{field}"]
+    return fields
 
 
 def registered(engine, scene, layer):
@@ -77,6 +110,8 @@ def of_picture(picture, entry, export, uv=None):
         return picture["background"][..., :3]
     if name == "UV":
         return uv
+    if name.startswith("Crypto"):
+        return picture[name]
     return indices(picture, name, export)
 
 

@@ -73,8 +73,8 @@ def a_scene_without_a_camera_is_an_error():
         raise AssertionError("no error")
 
 
-def layers(engine, samples=16):
-    """All passes of a picture by name."""
+def layers(engine, samples=16, read=lambda file: None):
+    """All passes of a picture by name; `read` gets the open file."""
     import OpenEXR
 
     scene = bpy.context.scene
@@ -89,6 +89,7 @@ def layers(engine, samples=16):
         scene.render.filepath = os.path.join(folder, "all.exr")
         bpy.ops.render.render(write_still=True)
         with OpenEXR.File(scene.render.filepath, separate_channels=True) as file:
+            read(file)
             made = {}
             for part in file.parts:
                 for name, channel in part.channels.items():
@@ -120,6 +121,44 @@ def passes_are_those_of_cycles():
         far = max(np.abs(b[b < 1e9]).max(), 1e-3) if (b < 1e9).any() else 1
         same = np.abs(np.minimum(a, 1e9) - np.minimum(b, 1e9)) < 0.03 * far
         assert same.mean() > 0.93, f"{name}: {100 * same.mean():.1f} % of the pixels are equal"
+
+
+@check
+def mattes_are_those_of_cycles():
+    try:
+        import OpenEXR
+    except ImportError:
+        print("SKIPPED: mattes beside Cycles'; install OpenEXR for this Python: pip install OpenEXR", file=sys.stderr)
+        return
+    start()
+    SCENES["point_lights"]()
+    layer = bpy.context.view_layer
+    for kind in ("object", "material", "asset"):
+        setattr(layer, f"use_pass_cryptomatte_{kind}", True)
+    layer.pass_cryptomatte_depth = 4
+    manifests = []
+
+    def keep(file):
+        manifests.append({value for key, value in file.header().items() if key.startswith("cryptomatte/") and key.endswith("/name")})
+
+    ours, theirs = layers("GNURT", 64, keep), layers("CYCLES", 64, keep)
+    assert manifests[0] == manifests[1] and len(manifests[0]) == 3, manifests
+    names = {name for name in theirs if name.startswith("Crypto")}
+    assert names == {name for name in ours if name.startswith("Crypto")}, (sorted(ours), sorted(theirs))
+    for kind in ("Object", "Material", "Asset"):
+        def coverage(found, which):
+            all_ids = {}
+            for level in ("00", "01"):
+                for a, b in (("r", "g"), ("b", "a")):
+                    ids, shares = (found[f"Crypto{kind}{level}.{letter}"] for letter in (a, b))
+                    for each in np.unique(ids[shares > 0]):
+                        all_ids[float(each)] = all_ids.get(float(each), 0) + (shares * (ids == each)).sum()
+            return all_ids
+
+        a, b = coverage(ours, kind), coverage(theirs, kind)
+        for each, share in b.items():
+            if share > 20:
+                assert abs(a.get(each, 0) / share - 1) < 0.03, f"{kind}: {each}: {a.get(each, 0)} beside {share}"
 
 
 @check
