@@ -50,7 +50,7 @@ impl Shader {
         .collect()
     }
 
-    /// The text of its compiled form, which [`ShadingSystem::read_oso`] reads.
+    /// The text of its compiled form, which [`ShadingSystem::read_oso`](crate::ShadingSystem::read_oso) reads.
     #[must_use]
     pub fn oso(&self) -> String {
         ir::write(&self.shader, "")
