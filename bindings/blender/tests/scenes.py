@@ -555,6 +555,16 @@ def hair_melanin():
 
 
 @scene
+def hair_alone():
+    """Without a floor, whose light hides errors of the hair."""
+    tuft((0, 0, 0), hair_paint("red", "MELANIN", Melanin=0.5, Melanin_Redness=0.8, Random_Color=0.0, Offset=0.15), count=700, radius=0.02)
+    camera((0, -5, 1.8), (0, 0, 0.6), 60)
+    light("AREA", (2, -4, 5), 500, size=3)
+    bpy.context.scene.render.film_transparent = True
+    bpy.context.scene["means only"] = True
+
+
+@scene
 def thick_hair():
     floor()
     tuft((0, 0, 0), hair_paint("round", "COLOR", Color=(0.5, 0.5, 0.6)), count=80, radius=0.05)
