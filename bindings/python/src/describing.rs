@@ -5,7 +5,7 @@
 use gnurt::Surroundings;
 use gnurt::osl::Script;
 use gnurt::scene::LayerTextures;
-use gnurt::scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
+use gnurt::scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence, Subsurface};
 use gnurt::scene::material::{
     Alpha, BumpMap, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef,
 };
@@ -102,6 +102,7 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
                 factor: share(given, "diffuse_transmission", 0.0)?,
                 color: given.color("diffuse_transmission_color")?.unwrap_or([1.0; 3]),
             },
+            subsurface: subsurface(given)?,
             layer_textures: layer_textures(given)?,
         })),
         _ => {
@@ -150,6 +151,15 @@ fn interior(given: &mut Given) -> PyResult<Interior> {
         dispersion: given.number("dispersion", 0.0, 1000.0)?.unwrap_or(0.0) as f32,
         scatter_color: given.color("scatter_color")?.unwrap_or([0.0; 3]),
         scatter_anisotropy: given.number("scatter_anisotropy", -0.99, 0.99)?.unwrap_or(0.0) as f32,
+    })
+}
+
+fn subsurface(given: &mut Given) -> PyResult<Subsurface> {
+    let default = Subsurface::default();
+    Ok(Subsurface {
+        factor: share(given, "subsurface", 0.0)?,
+        radius: given.color("subsurface_radius")?.unwrap_or(default.radius),
+        anisotropy: given.number("subsurface_anisotropy", -0.99, 0.99)?.unwrap_or(0.0) as f32,
     })
 }
 

@@ -356,7 +356,7 @@ fn material_fields(material: &mut Material) -> Vec<(&'static str, Slot<'_>)> {
 
 fn principled_fields(principled: &mut Principled) -> Vec<(&'static str, Slot<'_>)> {
     use Slot::{Color, Number};
-    let Principled { interior, anisotropy, iridescence, diffuse_transmission, .. } = principled;
+    let Principled { interior, anisotropy, iridescence, diffuse_transmission, subsurface, .. } = principled;
     vec![
         ("base_color", Color(&mut principled.base_color.factor, 1.0)),
         ("metallic", Number(&mut principled.metallic, UNIT)),
@@ -380,6 +380,9 @@ fn principled_fields(principled: &mut Principled) -> Vec<(&'static str, Slot<'_>
         ("iridescence_thickness", Number(&mut iridescence.thickness, LENGTH)),
         ("diffuse_transmission", Number(&mut diffuse_transmission.factor, UNIT)),
         ("diffuse_transmission_color", Color(&mut diffuse_transmission.color, 1.0)),
+        ("subsurface", Number(&mut subsurface.factor, UNIT)),
+        ("subsurface_radius", Color(&mut subsurface.radius, f32::MAX)),
+        ("subsurface_anisotropy", Number(&mut subsurface.anisotropy, [-0.99, 0.99])),
     ]
 }
 

@@ -39,5 +39,6 @@ mod shadow_catcher;
 mod shutter;
 #[path = "common/signed.rs"]
 mod signed;
+mod subsurface;
 mod terminator;
 mod unlit;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rare parts of materials: an interior, brushed microfacets, a thin film, diffuse transmission.
+//! Rare parts of materials: an interior, brushed microfacets, a thin film, light below the surface or through it.
 //! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}, which define
-//! the numbers. Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
+//! the numbers; \[CKB16\] (subsurface). Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
 
 use crate::medium::single_albedo;
 use crate::texture::TextureRef;
@@ -119,6 +119,24 @@ impl Default for DiffuseTransmission {
     /// None.
     fn default() -> Self {
         Self { factor: 0.0, color: [1.0; 3] }
+    }
+}
+
+/// Light that enters an opaque body, is scattered below its surface, and leaves elsewhere: skin, wax, marble, milk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Subsurface {
+    /// Share of the body's light that does so, in `[0, 1]`. Its colour is the base colour.
+    pub factor: f32,
+    /// Mean free path between scattering events by colour, world units, >= 0; 0 = that colour leaves where it enters.
+    pub radius: [f32; 3],
+    /// Mean cosine of scattered light, in (-1, 1).
+    pub anisotropy: f32,
+}
+
+impl Default for Subsurface {
+    /// None.
+    fn default() -> Self {
+        Self { factor: 0.0, radius: [1.0, 0.2, 0.1], anisotropy: 0.0 }
     }
 }
 

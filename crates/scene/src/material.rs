@@ -3,7 +3,7 @@
 //! Source: glTF 2.0 section 3.9 and appendix B (metallic-roughness); Wavefront MTL; \[DWBS03\] for shader slots.
 //! Conventions: surfaces scatter on both sides; emission leaves the side of the geometric normal only; colours are linear.
 
-use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
+use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence, Subsurface};
 use crate::id::MediumId;
 use crate::layer_textures::LayerTextures;
 use crate::medium::{Medium, Phase};
@@ -203,6 +203,8 @@ pub struct Principled {
     pub iridescence: Iridescence,
     /// KHR_materials_diffuse_transmission, of the dielectric part's body.
     pub diffuse_transmission: DiffuseTransmission,
+    /// Light below the surface, of the dielectric part's body.
+    pub subsurface: Subsurface,
     /// Textures of the layers.
     pub layer_textures: LayerTextures<TextureRef>,
 }
@@ -229,6 +231,7 @@ impl Default for Principled {
             anisotropy: Anisotropy::default(),
             iridescence: Iridescence::default(),
             diffuse_transmission: DiffuseTransmission::default(),
+            subsurface: Subsurface::default(),
             layer_textures: LayerTextures::default(),
         }
     }

@@ -2,8 +2,7 @@
 //! From one closure of a point to its lobes.
 //! The closures are defined by the OSL specification and MaterialX, the lobes' models by
 //! docs/reference/materials.md. Differs from other renderers: microfacets of MaterialX's closures are GGX
-//! under any distribution's name; light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered
-//! where it enters; hair and volumes are not drawn.
+//! under any distribution's name; volumes are not drawn.
 //! Space: world. Tests: `tests/scripts/closures.rs`.
 
 use glam::Vec3;
@@ -169,8 +168,10 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
         Known::OrenNayarDiffuse if p.int(3) != 0 => Lobe::oren_nayar(p.share(1), p.float(2).clamp(0.0, 1.0)),
         Known::OrenNayarDiffuse => Lobe::oren_nayar_once(p.share(1), p.float(2).clamp(0.0, 1.0)),
         Known::Burley => Lobe::burley(p.share(1), p.float(2).clamp(0.0, 1.0)),
-        Known::Subsurface => Lobe::lambert(p.share(3)),
-        Known::SubsurfaceBssrdf => Lobe::lambert(p.share(1)),
+        Known::Subsurface => Lobe::subsurface(p.share(3), p.vec3(2), p.float(1), p.float(0)),
+        Known::SubsurfaceBssrdf => {
+            Lobe::subsurface(p.share(1), p.vec3(2), p.float(3), p.float(p.shape.plain))
+        }
         Known::Translucent => Lobe::translucent(Vec3::ONE),
         Known::TranslucentBsdf => Lobe::translucent(p.share(1)),
         Known::Sheen if p.int(3) == 1 => Lobe::fibres(p.share(1), p.float(2).clamp(0.0, 1.0).sqrt()),

@@ -66,7 +66,8 @@ class Scene(_Scene):
         """The number of a new material.
 
         kind="principled" (metallic, roughness, ior, specular, clearcoat, sheen_color, transmission, thin, anisotropy, iridescence,
-        diffuse_transmission, attenuation_color, attenuation_distance, dispersion, scatter_color, scatter_anisotropy, ...), "matte", "mirror" or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
+        diffuse_transmission, attenuation_color, attenuation_distance, dispersion, scatter_color, scatter_anisotropy,
+        subsurface, subsurface_radius, subsurface_anisotropy, ...), "matte", "mirror" or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
 
         Textures are numbers of `add_texture`, or (number, (a, b, c, d, e, f)) for u' = a u + c v + e, v' = b u + d v + f. They are color_texture,
         metallic_roughness_texture, normal_texture (normal_scale), emission_texture, opacity_texture (opacity_channel, opacity_cutoff),

@@ -15,7 +15,7 @@ use gnurt_accel::{Coherence, HitBatch, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::left_after;
 use gnurt_shading::lights::LightId;
-use gnurt_shading::{SampleKey, Vec3s};
+use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 use gnurt_simd::dispatch_wide;
 
 use crate::tracer::{AttributeRequests, BatchTracer};
@@ -27,7 +27,7 @@ use crate::transport::{
     Blockers, Known, LightQuery, Offer, Path, Wavefront, add, media, panes, power_heuristic,
     query_plugin_lights, shadow_ray,
 };
-use crate::world::HitLanes;
+use crate::world::{HitLanes, World};
 
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
@@ -114,6 +114,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
         linked.begin_step();
     }
     surfaces(tracer, from, wavefront, radiance);
+    leave(tracer, from, wavefront, radiance);
     if !tracer.world.media().is_empty() {
         let Wavefront { paths, next, unshadowed, in_media, ledger, linked, .. } = &mut *wavefront;
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
@@ -151,7 +152,9 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
 /// The step of the paths that met surfaces, shader by shader.
 fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let (world, options) = (tracer.world, tracer.options);
-    let Wavefront { paths, next, unshadowed, order, radiance_only, closures, ledger, linked, .. } = wavefront;
+    let Wavefront { paths, next, unshadowed, order, radiance_only, closures, ledger, linked, below, .. } =
+        wavefront;
+    below.begin();
     world.sort_by_material(from.hits, 0..from.hits.len(), order);
     tracer.for_each_surface_of(order, from, AttributeRequests::Light, |tracer, shader, numbers, points| {
         if let Some(log) = &mut tracer.log {
@@ -166,18 +169,74 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
             radiance_only.extend(numbers.iter().map(|&number| paths.lane[number as usize]));
         }
         let medium = world.media().of_points(world, points);
-        let met = Met { world, options, from, paths, numbers, points, closures, backdrop, is_final, medium };
+        let mut shares: &[f32] = &[];
+        if !is_final && closures.has_subsurface() {
+            let is_held = |k: usize| from.depth == 0 && is_hole(world, points, k);
+            below.enter(options, (&*paths, from), (numbers, points), closures, is_held);
+            shares = &below.shares;
+        }
+        let met = Met {
+            world,
+            options,
+            from,
+            paths,
+            numbers,
+            points,
+            closures,
+            backdrop,
+            is_final,
+            medium,
+            shares,
+        };
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
         let held = Some(&mut tracer.held).filter(|held| !held.is_empty());
         let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held };
-        dispatch_wide!(
-            options.level,
-            simd => step::step(Sixteen(simd), &met, &mut onward),
-            else step::step(One, &met, &mut onward)
-        );
-        if !(is_final || world.lights().plugins.is_empty()) {
-            query_plugins(&met, &mut onward);
-        }
+        scatter(&met, &mut onward);
+    });
+}
+
+/// Takes the light at some points, and sends their paths on.
+fn scatter(met: &Met, onward: &mut Onward) {
+    dispatch_wide!(
+        met.options.level,
+        simd => step::step(Sixteen(simd), met, onward),
+        else step::step(One, met, onward)
+    );
+    if !(met.is_final || met.world.lights().plugins.is_empty()) {
+        query_plugins(met, onward);
+    }
+}
+
+/// Whether a point is of a hole in the picture.
+fn is_hole(world: &World, points: &SurfaceBatch, k: usize) -> bool {
+    world.labels().holdouts.contains(&points.inst_id[k])
+}
+
+/// The step of paths below surfaces, from where they leave.
+fn leave(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
+    if wavefront.below.is_empty() {
+        return;
+    }
+    let (world, options) = (tracer.world, tracer.options);
+    let Wavefront { paths, next, unshadowed, ledger, linked, below, .. } = wavefront;
+    below.leave(tracer, paths, from, |_, paths, from, numbers, points, closures| {
+        let (backdrop, is_final, medium, shares) = (None, false, 0, &[][..]);
+        let met = Met {
+            world,
+            options,
+            from,
+            paths,
+            numbers,
+            points,
+            closures,
+            backdrop,
+            is_final,
+            medium,
+            shares,
+        };
+        let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held: None };
+        scatter(&met, &mut onward);
     });
 }
 

@@ -36,7 +36,12 @@ impl Random {
         Self { first: None, state: Self::state(seed, key, [edges, layer, 2]), count: 0 }
     }
 
-    fn next(&mut self) -> f32 {
+    /// Those of a walk below the surface at the end of an edge.
+    pub(super) fn of_walk(seed: u64, key: SampleKey, edges: u32) -> Self {
+        Self { first: None, state: Self::state(seed, key, [edges, 0, 3]), count: 0 }
+    }
+
+    pub(super) fn next(&mut self) -> f32 {
         let count = self.count;
         self.count += 1;
         if let Some(first) = self.first.filter(|_| count < 2) {

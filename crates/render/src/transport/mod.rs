@@ -16,6 +16,7 @@ mod paths;
 mod radiance_only;
 pub(crate) mod roulette;
 pub(crate) mod step;
+pub(crate) mod subsurface;
 mod through;
 mod vertex;
 pub(crate) mod walks;

@@ -14,6 +14,7 @@ use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
 use super::links::LinkedPaths;
 use super::medium_vertices::MediumVertices;
+use super::subsurface::Walks;
 use super::through::Through;
 use crate::cone::{Cone, Cones};
 use crate::expressions::Ledger;
@@ -197,6 +198,11 @@ impl Paths {
     /// Applies absorption to path `i`.
     pub(crate) fn dim(&mut self, i: usize, left: Vec3) {
         self.throughput.set(i, self.throughput.get(i) * left);
+    }
+
+    /// Sets the factor of light at the end of path `i`.
+    pub(crate) fn set_throughput(&mut self, i: usize, throughput: Vec3) {
+        self.throughput.set(i, throughput);
     }
 
     /// Lends out rays, keys and cones, so that they can be read while a step is taken.
@@ -444,6 +450,7 @@ pub(crate) struct Wavefront {
     pub(crate) radiance_only: Vec<u32>,
     pub(crate) closures: ClosureBatch,
     pub(crate) in_media: MediumVertices,
+    pub(crate) below: Walks,
     /// The accounts of layers of light, if some are requested.
     pub(crate) ledger: Option<Ledger>,
     /// Where paths were scattered, if some lights do not reach everything.

@@ -43,6 +43,8 @@ pub(crate) struct Met<'a> {
     pub(crate) is_final: bool,
     /// The medium behind the surface, or 0.
     pub(crate) medium: u16,
+    /// By point: the factor of paths that its lobes scatter, if some paths enter the surface; else empty.
+    pub(crate) shares: &'a [f32],
 }
 
 /// Where the step leads.
@@ -429,6 +431,9 @@ fn go_on<R: Real>(
 ) {
     let (zero, one) = (at.error.all(0.0), at.error.all(1.0));
     let mut throughput = throughput * chosen.weight;
+    if !met.shares.is_empty() {
+        throughput = throughput * zero.load(met.shares, first);
+    }
     let mut alive = there & chosen.found;
     let mut long = 0;
     for (i, &edges) in edges.iter().enumerate().take(R::LANES) {

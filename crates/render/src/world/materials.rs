@@ -180,6 +180,9 @@ fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::Metalli
             spread: from.interior.spread(ior),
             translucence: from.diffuse_transmission.factor.clamp(0.0, 1.0),
             beyond: Vec3::from(from.diffuse_transmission.color).clamp(Vec3::ZERO, Vec3::ONE),
+            subsurface: from.subsurface.factor.clamp(0.0, 1.0),
+            radius: Vec3::from(from.subsurface.radius),
+            scattering: from.subsurface.anisotropy,
             ..plain
         },
         anisotropy: shading::Anisotropy {

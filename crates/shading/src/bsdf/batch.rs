@@ -40,6 +40,8 @@ pub(super) struct LobeRows {
     pub(super) kinds: u32,
     pub(super) any_layer_above: u32,
     pub(super) covers: bool,
+    /// Whether some is below the surface.
+    pub(super) any_subsurface: bool,
 }
 
 /// Sixteen points.
@@ -75,6 +77,7 @@ impl LobeRows {
     pub(super) fn clear(&mut self) {
         (self.kind, self.layers_above) = (Row::default(), Row::default());
         (self.kinds, self.any_layer_above, self.covers, self.rare) = (0, 0, false, 0);
+        self.any_subsurface = false;
     }
 
     /// The first `count` points' are like this one, which has nothing rare and lies below none; there are no
@@ -95,6 +98,7 @@ impl LobeRows {
         self.kinds |= lobe.kind.bit();
         self.any_layer_above |= lobe.layers_above;
         self.covers |= lobe.cover > 0.0;
+        self.any_subsurface |= lobe.is_subsurface();
         let rare = lobe.rare();
         if rare != 0 {
             if self.rare == 0 {

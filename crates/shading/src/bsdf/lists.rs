@@ -130,6 +130,7 @@ impl<'a> Lists<'a> {
             }
             rows.kinds |= lobe.kind.bit();
             rows.covers |= lobe.cover > 0.0;
+            rows.any_subsurface |= lobe.is_subsurface();
         });
     }
 

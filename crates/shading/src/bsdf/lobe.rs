@@ -137,10 +137,12 @@ pub struct Lobe {
     pub normal: Vec3,
     /// By kind: the albedo; reflectance at normal incidence; index of a metal; tint of reflection.
     pub a: Vec3,
-    /// By kind: reflectance at grazing incidence; extinction of a metal; tint of transmission.
+    /// By kind: reflectance at grazing incidence; extinction of a metal; tint of transmission; mean free paths below a
+    /// diffuse surface, 0 = light leaves where it enters.
     pub b: Vec3,
     /// Derived from the other parameters: mean reflectance of a metal or under a film; energy lost by rough
-    /// glass on this side and beyond, and the share of it that ends beyond.
+    /// glass on this side and beyond, and the share of it that ends beyond. Below a diffuse surface: mean cosine, and index
+    /// of refraction.
     pub c: Vec3,
     /// Width of microfacets' slopes, the square of glTF's roughness; the roughness of diffuse and sheen
     /// lobes.
@@ -209,6 +211,24 @@ impl Lobe {
     #[must_use]
     pub fn translucent(albedo: Vec3) -> Self {
         Self { a: albedo, ..Self::of(Kind::Translucent) }
+    }
+
+    /// Lambert's reflector whose light is scattered below it, and leaves elsewhere: `albedo` is the colour of a thick body,
+    /// `radius` the mean free path by colour, world units. `anisotropy` is the mean cosine of scattering, in (-1, 1). Light
+    /// enters to all sides alike, or bent by the index of refraction `ior` if that is above 1.
+    #[must_use]
+    pub fn subsurface(albedo: Vec3, radius: Vec3, anisotropy: f32, ior: f32) -> Self {
+        let is_sound = |x: f32| if x.is_finite() { x.max(0.0) } else { 0.0 };
+        let [x, y, z] = radius.to_array().map(is_sound);
+        let anisotropy = if anisotropy.is_finite() { anisotropy.clamp(-0.99, 0.99) } else { 0.0 };
+        Self { b: Vec3::new(x, y, z), c: Vec3::new(anisotropy, ior.max(1.0), 0.0), ..Self::lambert(albedo) }
+    }
+
+    /// Whether light below it leaves elsewhere.
+    #[inline]
+    #[must_use]
+    pub fn is_subsurface(&self) -> bool {
+        self.kind == Kind::Diffuse && self.b != Vec3::ZERO
     }
 
     /// Microfacets of width `alpha`, in (0, 1], with reflectance `f0` at normal and `f90` at grazing

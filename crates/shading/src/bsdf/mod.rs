@@ -51,6 +51,7 @@ mod rough_dielectric;
 mod sample;
 mod scalar_lobes;
 mod sheen;
+mod subsurface;
 #[cfg(test)]
 mod tests;
 mod ward;
@@ -69,6 +70,7 @@ pub use prepared::{Prepared, Sampled};
 pub use prepared_values::GRAZING;
 pub use principled::Principled;
 pub use sample::BsdfSample;
+pub use subsurface::Entry;
 
 /// The BSDF of one point. Plain data: it outlives the batch that it was made from.
 #[derive(Clone, Debug)]

@@ -394,6 +394,13 @@ impl Prepared<f32> {
         Vec3::new(share(0), share(1), share(2))
     }
 
+    /// The weight of lobe `k`, and the light that the layers above it leave for the prepared direction.
+    pub(super) fn reaching(&self, k: usize, weight: Vec3) -> Vec3 {
+        let (above, rest) = self.lobes.split_at(k);
+        let lobe = rest[0].as_ref();
+        lobe.map_or(Vec3::ZERO, |lobe| weight * Vec3::from(left_by(above, lobe, None)))
+    }
+
     /// The position of the lobe that [`sample`](Self::sample) draws from by this number.
     pub(super) fn place_of(&self, u: f32) -> usize {
         let (mut before, mut entry, mut probability) = (0.0, 0, 0.0);

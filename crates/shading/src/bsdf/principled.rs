@@ -58,6 +58,12 @@ pub struct Principled {
     pub translucence: f32,
     /// Albedo of that.
     pub beyond: Vec3,
+    /// Share of the body's other light that is scattered below the surface, in [0, 1].
+    pub subsurface: f32,
+    /// Mean free path of that by colour, world units: see [`Lobe::subsurface`].
+    pub radius: Vec3,
+    /// Mean cosine of its scattering, in (-1, 1).
+    pub scattering: f32,
 }
 
 impl Principled {
@@ -85,6 +91,9 @@ impl Principled {
             spread: 0.0,
             translucence: 0.0,
             beyond: Vec3::ONE,
+            subsurface: 0.0,
+            radius: Vec3::ZERO,
+            scattering: 0.0,
         }
     }
 }
@@ -131,9 +140,14 @@ impl Principled {
             let weight = Vec3::splat(plastic);
             let lobe = microfacets(Lobe::microfacets(p.alpha, p.f0, Vec3::splat(p.f90)));
             let above = above | lobes.put(Lobe { weight, cover: 1.0, ..lobe }, above);
-            if translucence < 1.0 {
-                let weight = Vec3::splat(plastic * (1.0 - translucence));
+            let body = plastic * (1.0 - translucence);
+            if body > 0.0 && p.subsurface < 1.0 {
+                let weight = Vec3::splat(body * (1.0 - p.subsurface));
                 lobes.put(Lobe { weight, ..Lobe::lambert(p.base) }, above);
+            }
+            if body > 0.0 && p.subsurface > 0.0 {
+                let weight = Vec3::splat(body * p.subsurface);
+                lobes.put(Lobe { weight, ..Lobe::subsurface(p.base, p.radius, p.scattering, 1.0) }, above);
             }
             if translucence > 0.0 {
                 let weight = Vec3::splat(plastic * translucence);

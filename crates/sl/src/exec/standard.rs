@@ -32,7 +32,7 @@ const TABLE: [(&str, &str); 29] = [
     ("generalized_schlick_bsdf", "VVCCFFCCFS~"),
     ("translucent_bsdf", "VC"),
     ("transparent_bsdf", ""),
-    ("subsurface_bssrdf", "VCCF"),
+    ("subsurface_bssrdf", "VCCF>"),
     ("sheen_bsdf", "VCF?"),
     ("chiang_hair_bsdf", "VVCCCFFFFFFFFC"),
     ("uniform_edf", "C"),
@@ -55,7 +55,7 @@ static ALL: LazyLock<Vec<ClosureDecl>> = LazyLock::new(|| {
     };
     let key = |name: &str, base| ClosureParam { ty: Type::of(base), key: Some(name.into()) };
     let decl = |(name, codes): (&str, &str)| {
-        let plain = codes.trim_end_matches(['~', '+', '?', '|']);
+        let plain = codes.trim_end_matches(['~', '+', '?', '|', '>']);
         let named = match &codes[plain.len()..] {
             "~" => vec![key("thinfilm_thickness", Base::Float), key("thinfilm_ior", Base::Float)],
             "|" => vec![
@@ -65,6 +65,7 @@ static ALL: LazyLock<Vec<ClosureDecl>> = LazyLock::new(|| {
             ],
             "+" => vec![key("energy_compensation", Base::Int)],
             "?" => vec![key("mode", Base::Int)],
+            ">" => vec![key("ior", Base::Float)],
             _ => Vec::new(),
         };
         ClosureDecl { name: name.into(), params: plain.chars().map(param).chain(named).collect() }

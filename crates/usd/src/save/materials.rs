@@ -280,4 +280,5 @@ pub(super) fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnin
     count(&principled(|p| p.anisotropy.strength > 0.0), "anisotropy");
     count(&principled(|p| p.iridescence.factor > 0.0), "thin film");
     count(&principled(|p| p.diffuse_transmission.factor > 0.0), "diffuse transmission");
+    count(&principled(|p| p.subsurface.factor > 0.0), "light below the surface, written as diffuse");
 }

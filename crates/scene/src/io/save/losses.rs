@@ -58,6 +58,8 @@ pub(in crate::io) fn of_materials(scene: &Scene, path: &Path, warnings: &mut War
     leave_out(count(is_rough), "roughness of a matte surface", path, warnings);
     let is_metal = |material: &Material| matches!(material.surface, Surface::Metal { .. });
     leave_out(count(is_metal), "index and extinction of metal, written as its colour", path, warnings);
+    let glows_below = |material: &Material| matches!(&material.surface, Surface::Principled(p) if p.subsurface.factor > 0.0);
+    leave_out(count(glows_below), "light below the surface, written as diffuse", path, warnings);
     let is_tinted = |material: &Material| match &material.surface {
         Surface::Dielectric { reflectance, .. } | Surface::RoughDielectric { reflectance, .. } => {
             *reflectance != [1.0; 3]
