@@ -1,306 +1,477 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Changes of a loaded scene by names: `materials.gold.roughness=0.3`, `lights.key.intensity=2`.
-//! A name may be `*`, for all. Numbers have the units of the scene's own fields. Tests: `tests/overrides.rs`.
-
-use std::fmt;
-use std::str::FromStr;
+//! Changes of a scene by text, such as `materials.gold.roughness=0.3`: values of a file, replaced before
+//! rendering. A path names a list, an element and a field; one function for each kind of surface lists its
+//! fields, with their ranges.
+//! Tests: `tests`, crates/cli/tests/program/overrides.rs.
 
 use crate::id::{InstanceId, LightId, MaterialId};
+use crate::labels::Shining;
 use crate::light::Light;
-use crate::material::{Alpha, Color, Material, Opacity, OpacityChannel, Principled, Surface};
+use crate::light_links::LinkKind;
+use crate::material::{Alpha, Material, Opacity, OpacityChannel, Principled, Surface};
 use crate::scene::Scene;
 
-/// One change.
-#[derive(Clone, Debug, PartialEq)]
+/// One change: `LIST.NAME.FIELD=VALUE`.
+///
+/// * `materials.NAME.FIELD`: base_color, metallic, roughness, ior, specular, clearcoat, transmission, emission, opacity and others; an
+///   error lists those of the material's kind. Colours are linear: three numbers `r,g,b`, or one for a grey. A texture of the
+///   field stays, and is multiplied.
+/// * `lights.NAME.intensity`: a name of the file, or the number from 0 in the order of `gnurt info`. One number sets the largest
+///   channel and keeps the colour; three numbers set the channels; `*` before a number multiplies by it. The unit is the
+///   light's own (W/sr, W/m² or radiance).
+///   `materials.NAME.emission` takes the same forms.
+/// * `instances.NAME.visible`: `true` or `false`; `instances.NAME.holdout`: whether it leaves a hole in the picture.
+/// * `group` of lights, materials and instances: the light group of what they give off; any name.
+/// * `link` and `shadow_link` of the same: names of the instances that their light reaches, and that stop it, between commas;
+///   `none`, or `^` before the names for all others.
+///
+/// `*` as a name means all of them: those without the field stay as they are, but one must have it.
+///
+/// # Examples
+///
+/// ```
+/// use gnurt_scene::{Material, Scene, overrides::Override};
+///
+/// let mut scene = Scene::new();
+/// scene.add_material(Material::matte("wall", [0.5; 3]));
+/// Override::parse("materials.*.base_color=0.2,0.3,0.4")?.apply(&mut scene)?;
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
-    part: Part,
+    list: List,
     name: String,
-    property: String,
-    /// One number, or three.
-    value: Vec<f32>,
+    field: String,
+    value: String,
 }
 
+/// Lists of a scene whose elements can be changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum List {
     Materials,
     Lights,
     Instances,
 }
 
-/// A change that cannot be made; `Display` says why, and what would be right.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct OverrideError(String);
+/// The names of the lists.
+const LISTS: [(&str, List); 3] =
+    [("materials", List::Materials), ("lights", List::Lights), ("instances", List::Instances)];
 
-const FORM: &str = "expected PART.NAME.PROPERTY=VALUE, such as materials.gold.roughness=0.3; \
-                    parts are materials, lights, instances";
-const OF_MATERIALS: &str = "color, emission, opacity, roughness, metallic, ior, specular, specular_color, clearcoat, \
-                            clearcoat_roughness, sheen_color, sheen_roughness, transmission";
-const OF_LIGHTS: &str = "color, intensity, scale";
-const OF_INSTANCES: &str = "visible";
-
-impl FromStr for Override {
-    type Err = OverrideError;
-
-    fn from_str(text: &str) -> Result<Self, OverrideError> {
-        let form = || OverrideError(FORM.into());
-        let (path, value) = text.split_once('=').ok_or_else(form)?;
-        let (part, rest) = path.split_once('.').ok_or_else(form)?;
-        let (name, property) = rest.rsplit_once('.').ok_or_else(form)?;
-        let part = match part {
-            "materials" => Part::Materials,
-            "lights" => Part::Lights,
-            "instances" => Part::Instances,
-            _ => return Err(form()),
-        };
-        if name.is_empty() || property.is_empty() {
-            return Err(form());
-        }
-        let number = |text: &str| text.trim().parse::<f32>().ok().filter(|x| x.is_finite());
-        let value: Option<Vec<f32>> = match value {
-            "true" => Some(vec![1.0]),
-            "false" => Some(vec![0.0]),
-            _ => value.split(',').map(number).collect(),
-        };
-        let value = value.filter(|value| matches!(value.len(), 1 | 3));
-        let value = value.ok_or_else(|| OverrideError("the value is one number, or three: R,G,B".into()))?;
-        Ok(Self { part, name: name.into(), property: property.into(), value })
-    }
+/// A field of an element, to write its value.
+enum Slot<'a> {
+    /// A number within a range.
+    Number(&'a mut f32, [f32; 2]),
+    /// Three numbers of at least 0 and at most this; one number is a grey.
+    Color(&'a mut [f32; 3], f32),
+    /// Three numbers of at least 0; one number keeps the colour.
+    Light(&'a mut [f32; 3]),
+    /// Yes or no.
+    Flag(&'a mut bool),
 }
 
-impl fmt::Display for Override {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let part = match self.part {
-            Part::Materials => "materials",
-            Part::Lights => "lights",
-            Part::Instances => "instances",
-        };
-        write!(f, "{part}.{}.{}", self.name, self.property)
-    }
-}
+const UNIT: [f32; 2] = [0.0, 1.0];
+/// Indices of refraction.
+const IOR: [f32; 2] = [1e-3, 1e3];
+/// Thicknesses and distances.
+const LENGTH: [f32; 2] = [0.0, f32::MAX];
 
 impl Override {
-    /// Changes the scene.
+    /// Reads `LIST.NAME.FIELD=VALUE`. A name may hold dots.
     ///
     /// # Errors
-    /// Nothing has the name, its kind has no such property, or the value is out of range. The scene is as before then.
-    pub fn apply(&self, scene: &mut Scene) -> Result<(), OverrideError> {
-        match self.part {
-            Part::Materials => {
-                let names = scene.materials().iter().map(|material| material.name.clone()).collect();
-                for i in self.found(names)? {
-                    let id = MaterialId(i);
-                    let mut material = scene.material(id).clone();
-                    self.set_material(&mut material)?;
-                    *scene.edit_material(id) = material;
-                }
-            }
-            Part::Lights => {
-                let labels = &scene.labels().lights;
-                let name = |i: u32| labels.get(&LightId(i)).cloned().unwrap_or_else(|| i.to_string());
-                let names = (0..scene.lights().len() as u32).map(name).collect();
-                for i in self.found(names)? {
-                    let mut light = scene.light(LightId(i)).clone();
-                    self.set_light(&mut light)?;
-                    *scene.edit_light(LightId(i)) = light;
-                }
-            }
-            Part::Instances => {
-                let names = scene.instances().iter().map(|instance| instance.name.clone()).collect();
-                let found = self.found(names)?;
-                let is_visible = match (&self.property[..], &self.value[..]) {
-                    ("visible", [0.0]) => false,
-                    ("visible", [1.0]) => true,
-                    ("visible", _) => return Err(self.error("expected true or false")),
-                    _ => return Err(self.unknown(OF_INSTANCES)),
-                };
-                found.into_iter().for_each(|i| scene.edit_instance(InstanceId(i)).visible = is_visible);
-            }
-        }
-        Ok(())
-    }
-
-    fn error(&self, why: impl fmt::Display) -> OverrideError {
-        OverrideError(format!("{self}: {why}"))
-    }
-
-    fn unknown(&self, valid: &str) -> OverrideError {
-        self.error(format_args!("unknown property; valid are {valid}"))
-    }
-
-    /// The numbers of those with the name.
-    fn found(&self, names: Vec<String>) -> Result<Vec<u32>, OverrideError> {
-        let is_meant = |name: &String| self.name == "*" || *name == self.name;
-        let found: Vec<u32> = (0..).zip(&names).filter(|(_, name)| is_meant(name)).map(|(i, _)| i).collect();
-        if !found.is_empty() {
-            return Ok(found);
-        }
-        if names.is_empty() {
-            return Err(self.error("the scene has none"));
-        }
-        let mut named: Vec<&str> =
-            names.iter().map(|name| &name[..]).filter(|name| !name.is_empty()).collect();
-        named.sort_unstable();
-        named.dedup();
-        let more = if named.len() > 8 { ", ..." } else { "" };
-        named.truncate(8);
-        Err(self.error(format_args!("nothing has this name; there are {}{more}", named.join(", "))))
-    }
-
-    fn color(&self) -> Result<[f32; 3], OverrideError> {
-        let color = match self.value[..] {
-            [all] => [all; 3],
-            _ => [self.value[0], self.value[1], self.value[2]],
+    ///
+    /// If the text has another form, or the list is not one of `materials`, `lights` and `instances`.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let form = || {
+            format!(
+                "invalid change of a scene: '{text}'; give LIST.NAME.FIELD=VALUE like materials.gold.roughness=0.3"
+            )
         };
-        match color.iter().all(|&c| c >= 0.0) {
-            true => Ok(color),
-            false => Err(self.error("expected numbers of 0 or more")),
+        let (path, value) = text.split_once('=').ok_or_else(form)?;
+        let (list, rest) = path.split_once('.').ok_or_else(form)?;
+        let (name, field) = rest.rsplit_once('.').ok_or_else(form)?;
+        if name.is_empty() || field.is_empty() || value.trim().is_empty() {
+            return Err(form());
         }
+        let known = LISTS.iter().find(|(known, _)| *known == list);
+        let Some(&(_, list)) = known else {
+            let lists = LISTS.map(|(list, _)| list).join(", ");
+            return Err(format!("unknown list of a scene: '{list}'; valid are: {lists}"));
+        };
+        Ok(Self { list, name: name.into(), field: field.into(), value: value.trim().into() })
     }
 
-    fn number(&self, low: f32, high: f32) -> Result<f32, OverrideError> {
-        match self.value[..] {
-            [x] if (low..=high).contains(&x) => Ok(x),
-            _ if high == f32::MAX => Err(self.error(format_args!("expected a number of {low} or more"))),
-            _ => Err(self.error(format_args!("expected a number from {low} to {high}"))),
-        }
-    }
-
-    fn set_material(&self, material: &mut Material) -> Result<(), OverrideError> {
-        match &self.property[..] {
-            "color" => {
-                let to = self.color()?;
-                return match base_color(&mut material.surface) {
-                    Some(color) => {
-                        color.factor = to;
-                        Ok(())
-                    }
-                    None => match &mut material.surface {
-                        Surface::Dielectric { transmittance, .. }
-                        | Surface::RoughDielectric { transmittance, .. } => {
-                            *transmittance = to;
-                            Ok(())
-                        }
-                        _ => Err(self.error("this kind of material has no colour")),
-                    },
-                };
-            }
-            "emission" => {
-                material.emission = self.color()?;
-                return Ok(());
-            }
-            "opacity" => {
-                let factor = self.number(0.0, 1.0)?;
-                match &mut material.alpha {
-                    Alpha::Blend { opacity } => opacity.factor = factor,
-                    _ if factor == 1.0 => {}
-                    alpha => {
-                        let opacity = Opacity { factor, texture: None, channel: OpacityChannel::Alpha };
-                        *alpha = Alpha::Blend { opacity };
-                    }
-                }
-                return Ok(());
-            }
+    /// Makes the change.
+    ///
+    /// # Errors
+    ///
+    /// If nothing has that name, nothing of that name has the field, or the value is out of its range. The message lists the valid ones.
+    /// The scene is then unchanged, except for elements before the faulty one under `*`.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
+        let places = self.places(scene)?;
+        match &self.field[..] {
+            "group" => return self.put_into_group(&places, scene),
+            "holdout" if self.list == List::Instances => return self.hold_out(&places, scene),
+            "link" => return self.link(&places, LinkKind::Lit, scene),
+            "shadow_link" => return self.link(&places, LinkKind::Shadows, scene),
             _ => {}
         }
-        if let Surface::Metal { roughness, .. } | Surface::RoughDielectric { roughness, .. } =
-            &mut material.surface
-            && self.property == "roughness"
-        {
-            *roughness = self.number(0.0, 1.0)?;
+        let mut valid: Vec<&'static str> = Vec::new();
+        let mut changed = 0;
+        for place in places {
+            let known = match self.list {
+                List::Materials => {
+                    let mut material = scene.material(MaterialId(place)).clone();
+                    if self.field == "opacity" && material.alpha == Alpha::Opaque {
+                        let channel = OpacityChannel::Alpha;
+                        material.alpha =
+                            Alpha::Blend { opacity: Opacity { factor: 1.0, texture: None, channel } };
+                    }
+                    let known = self.set(material_fields(&mut material))?;
+                    if known.is_ok() && material != *scene.material(MaterialId(place)) {
+                        *scene.edit_material(MaterialId(place)) = material;
+                    }
+                    known
+                }
+                List::Lights => {
+                    let mut light = scene.light(LightId(place)).clone();
+                    let known = self.set(light_fields(&mut light))?;
+                    if known.is_ok() {
+                        *scene.edit_light(LightId(place)) = light;
+                    }
+                    known
+                }
+                List::Instances => {
+                    let instance = scene.edit_instance(InstanceId(place));
+                    self.set(vec![("visible", Slot::Flag(&mut instance.visible))])?
+                }
+            };
+            match known {
+                Ok(()) => changed += 1,
+                Err(names) => {
+                    valid.extend(names.into_iter().filter(|name| !valid.contains(name)).collect::<Vec<_>>());
+                }
+            }
+        }
+        if changed > 0 {
             return Ok(());
         }
-        if let Surface::Dielectric { ior, .. } | Surface::RoughDielectric { ior, .. } = &mut material.surface
-            && self.property == "ior"
-        {
-            *ior = self.number(1e-3, 100.0)?;
-            return Ok(());
+        let (list, name) = (self.list_name(), &self.name);
+        let valid = if valid.is_empty() { "none".into() } else { valid.join(", ") };
+        Err(format!("{list}.{name}: unknown field '{}'; valid are: {valid}", self.field))
+    }
+
+    fn put_into_group(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
+        let is_fine = |c: char| c.is_alphanumeric() || "_-. ".contains(c);
+        if !self.value.chars().all(is_fine) || self.value.len() > 100 {
+            return Err(format!(
+                "{}.{}.group: invalid value '{}'; give letters, digits, _ - . and spaces",
+                self.list_name(),
+                self.name,
+                self.value
+            ));
         }
-        let Some(mut principled) = principled(&material.surface) else {
-            return Err(self.error("this kind of material has no such property"));
-        };
-        let p = &mut principled;
-        match &self.property[..] {
-            "roughness" => p.roughness = self.number(0.0, 1.0)?,
-            "metallic" => p.metallic = self.number(0.0, 1.0)?,
-            "ior" => p.ior = self.number(1.0, 100.0)?,
-            "specular" => p.specular = self.number(0.0, 1.0)?,
-            "specular_color" => p.specular_color = self.color()?,
-            "clearcoat" => p.clearcoat = self.number(0.0, 1.0)?,
-            "clearcoat_roughness" => p.clearcoat_roughness = self.number(0.0, 1.0)?,
-            "sheen_color" => p.sheen_color = self.color()?,
-            "sheen_roughness" => p.sheen_roughness = self.number(0.0, 1.0)?,
-            "transmission" => p.transmission = self.number(0.0, 1.0)?,
-            _ => return Err(self.unknown(OF_MATERIALS)),
-        }
-        material.surface = Surface::Principled(Box::new(principled));
+        places.iter().for_each(|&place| scene.labels_mut().set_light_group(self.shining(place), &self.value));
         Ok(())
     }
 
-    fn set_light(&self, light: &mut Light) -> Result<(), OverrideError> {
-        let power = match light {
-            Light::Point { intensity, .. } | Light::Spot { intensity, .. } => intensity,
-            Light::Directional { irradiance, .. } => irradiance,
-            Light::Environment { radiance, .. } => radiance,
-            Light::Backdrop { .. } => return Err(self.error("a backdrop is seen, but lights nothing")),
+    fn hold_out(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
+        let is_one: bool = self.value.parse().map_err(|_| {
+            format!("instances.{}.holdout: invalid value '{}'; give true or false", self.name, self.value)
+        })?;
+        for id in places.iter().copied().map(InstanceId) {
+            match is_one {
+                true => _ = scene.labels_mut().holdouts.insert(id),
+                false => _ = scene.labels_mut().holdouts.remove(&id),
+            }
+        }
+        Ok(())
+    }
+
+    /// Links lights to instances by names between commas; `^` before the first means all but these.
+    fn link(&self, places: &[u32], kind: LinkKind, scene: &mut Scene) -> Result<(), String> {
+        let (is_negated, list) =
+            self.value.strip_prefix('^').map_or((false, &self.value[..]), |rest| (true, rest));
+        let names: Vec<&str> = list.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+        let (found, unknown) = match &names[..] {
+            ["none"] => (Vec::new(), Vec::new()),
+            names => scene.instances_named(names),
         };
-        let most = power.iter().fold(0.0_f32, |most, &c| most.max(c));
-        *power = match &self.property[..] {
-            "scale" => {
-                let scale = self.number(0.0, f32::MAX)?;
-                power.map(|c| c * scale)
+        if let Some(name) = unknown.first() {
+            let (list, own, field) = (self.list_name(), &self.name, &self.field);
+            return Err(format!("{list}.{own}.{field}: no instance is called '{name}'"));
+        }
+        let all = (0..scene.instances().len() as u32).map(InstanceId);
+        let members: Vec<InstanceId> =
+            if is_negated { all.filter(|id| found.binary_search(id).is_err()).collect() } else { found };
+        for &place in places {
+            scene.link_light(self.shining(place), kind, Some(members.clone()));
+        }
+        Ok(())
+    }
+
+    fn shining(&self, place: u32) -> Shining {
+        match self.list {
+            List::Materials => Shining::Material(MaterialId(place)),
+            List::Lights => Shining::Light(LightId(place)),
+            List::Instances => Shining::Instance(InstanceId(place)),
+        }
+    }
+
+    fn list_name(&self) -> &'static str {
+        LISTS.iter().find(|(_, list)| *list == self.list).map_or("", |(name, _)| name)
+    }
+
+    /// Those of the list that the name means.
+    fn places(&self, scene: &Scene) -> Result<Vec<u32>, String> {
+        let names: Vec<String> = match self.list {
+            List::Materials => scene.materials().iter().map(|material| material.name.clone()).collect(),
+            List::Lights => {
+                let name = |number: u32| {
+                    let named = scene.labels().lights.get(&LightId(number));
+                    // Numbers mean a light whatever its name is.
+                    let is_number = self.name == number.to_string();
+                    named.filter(|_| !is_number).cloned().unwrap_or_else(|| number.to_string())
+                };
+                (0..scene.lights().len() as u32).map(name).collect()
             }
-            "intensity" => {
-                let to = self.number(0.0, f32::MAX)?;
-                if most > 0.0 { power.map(|c| c / most * to) } else { [to; 3] }
-            }
-            "color" => {
-                let to = self.color()?;
-                let brightest = to.iter().fold(0.0_f32, |most, &c| most.max(c));
-                let scale = if brightest > 0.0 { most / brightest } else { 0.0 };
-                to.map(|c| c * scale)
-            }
-            _ => return Err(self.unknown(OF_LIGHTS)),
+            List::Instances => scene.instances().iter().map(|instance| instance.name.clone()).collect(),
         };
+        // Paths are known by their last part as well.
+        let is_last = |name: &str| name.rsplit('/').next() == Some(&self.name[..]);
+        let meant = |name: &String| self.name == "*" || *name == self.name || is_last(name);
+        let places: Vec<u32> = (0..).zip(&names).filter(|(_, name)| meant(name)).map(|(i, _)| i).collect();
+        if !places.is_empty() {
+            return Ok(places);
+        }
+        const MOST: usize = 20;
+        let mut valid: Vec<&str> = names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+        valid.dedup();
+        let more = valid.len().saturating_sub(MOST);
+        valid.truncate(MOST);
+        let mut list = valid.join(", ");
+        if more > 0 {
+            list += &format!(" and {more} more");
+        }
+        let list = if list.is_empty() { "none: the list is empty or nameless".into() } else { list };
+        Err(format!("{}: unknown name '{}'; valid are: {list}", self.list_name(), self.name))
+    }
+
+    /// Sets the field; the names of the fields, if it is none of them.
+    fn set(&self, fields: Vec<(&'static str, Slot)>) -> Result<Result<(), Vec<&'static str>>, String> {
+        let names = fields.iter().map(|(name, _)| *name).collect();
+        match fields.into_iter().find(|(name, _)| *name == self.field) {
+            None => Ok(Err(names)),
+            Some((_, slot)) => self.put(slot).map(Ok),
+        }
+    }
+
+    fn put(&self, slot: Slot) -> Result<(), String> {
+        let wrong = |allowed: String| {
+            let path = format!("{}.{}.{}", self.list_name(), self.name, self.field);
+            format!("{path}: invalid value '{}'; {allowed}", self.value)
+        };
+        let numbers = |most: f32| {
+            let parsed: Result<Vec<f32>, _> =
+                self.value.split(',').map(|number| number.trim().parse::<f32>()).collect();
+            let numbers = parsed.ok().filter(|all| all.iter().all(|x| (0.0..=most).contains(x)));
+            match numbers.as_deref() {
+                Some(&[grey]) => Some((vec![grey; 3], true)),
+                Some(&[r, g, b]) => Some((vec![r, g, b], false)),
+                _ => None,
+            }
+        };
+        let three = |most: f32| {
+            let range = if most < f32::MAX { format!("from 0 to {most}") } else { "of at least 0".into() };
+            format!("give three numbers {range} like 0.8,0.5,0.2, or one")
+        };
+        match slot {
+            Slot::Number(place, [least, most]) => {
+                let value = self.value.parse::<f32>().ok().filter(|x| (least..=most).contains(x));
+                let range = if most < f32::MAX {
+                    format!("from {least} to {most}")
+                } else {
+                    format!("of at least {least}")
+                };
+                *place = value.ok_or_else(|| wrong(format!("give a number {range}")))?;
+            }
+            Slot::Color(place, most) => {
+                let (color, _) = numbers(most).ok_or_else(|| wrong(three(most)))?;
+                place.copy_from_slice(&color);
+            }
+            Slot::Light(place) => {
+                if let Some(factor) = self.value.strip_prefix('*') {
+                    let factor = factor.trim().parse::<f32>().ok().filter(|x| (0.0..=f32::MAX).contains(x));
+                    let factor =
+                        factor.ok_or_else(|| wrong("give a number of at least 0 after the *".into()))?;
+                    *place = place.map(|x| x * factor);
+                    return Ok(());
+                }
+                let (color, is_one) = numbers(f32::MAX).ok_or_else(|| wrong(three(f32::MAX)))?;
+                let largest = place.iter().fold(0.0_f32, |most, &x| most.max(x));
+                if is_one && largest > 0.0 {
+                    *place = place.map(|x| x / largest * color[0]);
+                } else {
+                    place.copy_from_slice(&color);
+                }
+            }
+            Slot::Flag(place) => {
+                *place = self.value.parse().map_err(|_| wrong("give true or false".into()))?;
+            }
+        }
         Ok(())
     }
 }
 
-fn base_color(surface: &mut Surface) -> Option<&mut Color> {
-    match surface {
-        Surface::Matte { base_color }
-        | Surface::RoughMatte { base_color, .. }
-        | Surface::MetallicRoughness { base_color, .. } => Some(base_color),
-        Surface::Principled(principled) => Some(&mut principled.base_color),
-        Surface::Mirror { reflectance } => Some(reflectance),
-        Surface::Unlit { color } => Some(color),
-        _ => None,
+/// The fields of a material, by its kind of surface.
+fn material_fields(material: &mut Material) -> Vec<(&'static str, Slot<'_>)> {
+    use Slot::{Color, Number};
+    let Material { surface, alpha, emission, .. } = material;
+    let mut fields = match surface {
+        Surface::Matte { base_color } => vec![("base_color", Color(&mut base_color.factor, 1.0))],
+        Surface::MetallicRoughness { base_color, metallic, roughness, ior, .. } => vec![
+            ("base_color", Color(&mut base_color.factor, 1.0)),
+            ("metallic", Number(metallic, UNIT)),
+            ("roughness", Number(roughness, UNIT)),
+            ("ior", Number(ior, IOR)),
+        ],
+        Surface::Principled(principled) => principled_fields(principled),
+        Surface::RoughMatte { base_color, roughness } => {
+            vec![("base_color", Color(&mut base_color.factor, 1.0)), ("roughness", Number(roughness, UNIT))]
+        }
+        Surface::Metal { eta, k, roughness } => vec![
+            ("eta", Color(eta, f32::MAX)),
+            ("k", Color(k, f32::MAX)),
+            ("roughness", Number(roughness, UNIT)),
+        ],
+        Surface::RoughDielectric { ior, roughness, reflectance, transmittance, .. } => vec![
+            ("ior", Number(ior, IOR)),
+            ("roughness", Number(roughness, UNIT)),
+            ("reflectance", Color(reflectance, 1.0)),
+            ("transmittance", Color(transmittance, 1.0)),
+        ],
+        Surface::Mirror { reflectance } => vec![("reflectance", Color(&mut reflectance.factor, 1.0))],
+        Surface::Dielectric { ior, reflectance, transmittance, .. } => vec![
+            ("ior", Number(ior, IOR)),
+            ("reflectance", Color(reflectance, 1.0)),
+            ("transmittance", Color(transmittance, 1.0)),
+        ],
+        Surface::ShadowCatcher { albedo, .. } => vec![("albedo", Color(albedo, 1.0))],
+        Surface::Unlit { color } => vec![("color", Color(&mut color.factor, f32::MAX))],
+        Surface::Shader(_) => Vec::new(),
+    };
+    fields.push(("emission", Slot::Light(emission)));
+    match alpha {
+        Alpha::Opaque => {}
+        Alpha::Mask { cutoff, opacity } => {
+            fields.push(("alpha_cutoff", Number(cutoff, UNIT)));
+            fields.push(("opacity", Number(&mut opacity.factor, UNIT)));
+        }
+        Alpha::Blend { opacity } => fields.push(("opacity", Number(&mut opacity.factor, UNIT))),
+    }
+    fields
+}
+
+fn principled_fields(principled: &mut Principled) -> Vec<(&'static str, Slot<'_>)> {
+    use Slot::{Color, Number};
+    let Principled { interior, anisotropy, iridescence, diffuse_transmission, subsurface, .. } = principled;
+    vec![
+        ("base_color", Color(&mut principled.base_color.factor, 1.0)),
+        ("metallic", Number(&mut principled.metallic, UNIT)),
+        ("roughness", Number(&mut principled.roughness, UNIT)),
+        ("ior", Number(&mut principled.ior, IOR)),
+        ("specular", Number(&mut principled.specular, UNIT)),
+        ("specular_color", Color(&mut principled.specular_color, f32::MAX)),
+        ("clearcoat", Number(&mut principled.clearcoat, UNIT)),
+        ("clearcoat_roughness", Number(&mut principled.clearcoat_roughness, UNIT)),
+        ("sheen_color", Color(&mut principled.sheen_color, 1.0)),
+        ("sheen_roughness", Number(&mut principled.sheen_roughness, UNIT)),
+        ("transmission", Number(&mut principled.transmission, UNIT)),
+        ("thin", Slot::Flag(&mut principled.thin)),
+        ("attenuation_color", Color(&mut interior.attenuation_color, 1.0)),
+        ("attenuation_distance", Number(&mut interior.attenuation_distance, LENGTH)),
+        ("dispersion", Number(&mut interior.dispersion, LENGTH)),
+        ("anisotropy", Number(&mut anisotropy.strength, UNIT)),
+        ("anisotropy_rotation", Number(&mut anisotropy.rotation, [-1e3, 1e3])),
+        ("iridescence", Number(&mut iridescence.factor, UNIT)),
+        ("iridescence_ior", Number(&mut iridescence.ior, IOR)),
+        ("iridescence_thickness", Number(&mut iridescence.thickness, LENGTH)),
+        ("diffuse_transmission", Number(&mut diffuse_transmission.factor, UNIT)),
+        ("diffuse_transmission_color", Color(&mut diffuse_transmission.color, 1.0)),
+        ("subsurface", Number(&mut subsurface.factor, UNIT)),
+        ("subsurface_radius", Color(&mut subsurface.radius, f32::MAX)),
+        ("subsurface_anisotropy", Number(&mut subsurface.anisotropy, [-0.99, 0.99])),
+    ]
+}
+
+fn light_fields(light: &mut Light) -> Vec<(&'static str, Slot<'_>)> {
+    match light {
+        Light::Point { intensity, .. } | Light::Spot { intensity, .. } => {
+            vec![("intensity", Slot::Light(intensity))]
+        }
+        Light::Directional { irradiance, .. } => vec![("intensity", Slot::Light(irradiance))],
+        Light::Environment { radiance, .. } => vec![("intensity", Slot::Light(radiance))],
+        Light::Backdrop { .. } => Vec::new(),
     }
 }
 
-/// The same surface with all layers; a matte one reflects nothing but by its body until more is set.
-fn principled(surface: &Surface) -> Option<Principled> {
-    Some(match surface {
-        Surface::Principled(principled) => (**principled).clone(),
-        Surface::MetallicRoughness {
-            base_color,
-            metallic,
-            roughness,
-            metallic_roughness_texture,
-            ior,
-            normal_texture,
-        } => Principled {
-            base_color: *base_color,
-            metallic: *metallic,
-            roughness: *roughness,
-            metallic_roughness_texture: *metallic_roughness_texture,
-            ior: *ior,
-            normal_texture: *normal_texture,
-            ..Principled::default()
-        },
-        Surface::Matte { base_color } | Surface::RoughMatte { base_color, .. } => {
-            Principled { base_color: *base_color, metallic: 0.0, specular: 0.0, ..Principled::default() }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene() -> Scene {
+        let mut scene = Scene::new();
+        scene.add_material(Material::matte("wall.white", [0.5; 3]));
+        scene.add_material(Material::of("gold", Surface::Principled(Box::default())));
+        scene.add_light(Light::Point { position: [0.0; 3], intensity: [4.0, 2.0, 1.0] });
+        scene
+    }
+
+    fn apply(scene: &mut Scene, text: &str) -> Result<(), String> {
+        Override::parse(text)?.apply(scene)
+    }
+
+    #[test]
+    fn fields_take_numbers_colours_and_intensities() {
+        let mut scene = scene();
+        apply(&mut scene, "materials.gold.roughness=0.25").expect("a number");
+        apply(&mut scene, "materials.wall.white.base_color=0.1,0.2,0.3").expect("a name with a dot");
+        apply(&mut scene, "lights.0.intensity=8").expect("one number");
+        apply(&mut scene, "materials.*.clearcoat=1").expect("one of them has it");
+        let Surface::Principled(gold) = &scene.materials()[1].surface else { panic!("a principled one") };
+        assert_eq!((gold.roughness, gold.clearcoat), (0.25, 1.0));
+        assert_eq!(scene.materials()[0].surface.base_color().factor, [0.1, 0.2, 0.3]);
+        let Light::Point { intensity, .. } = scene.lights()[0] else { panic!("a point light") };
+        assert_eq!(intensity, [8.0, 4.0, 2.0], "the colour stays");
+        apply(&mut scene, "lights.*.intensity=*0.5").expect("a factor");
+        let Light::Point { intensity, .. } = scene.lights()[0] else { panic!("a point light") };
+        assert_eq!(intensity, [4.0, 2.0, 1.0], "half of it");
+        apply(&mut scene, "materials.gold.opacity=0.5").expect("an opaque material becomes transparent");
+        assert!(matches!(scene.materials()[1].alpha, Alpha::Blend { opacity } if opacity.factor == 0.5));
+        apply(&mut scene, "materials.gold.subsurface_radius=0.3,0.2,0.1").expect("a length by colour");
+    }
+
+    #[test]
+    fn mistakes_name_what_is_valid() {
+        let mut scene = scene();
+        for (text, words) in [
+            ("gold", "LIST.NAME.FIELD=VALUE"),
+            ("materials.gold=3", "LIST.NAME.FIELD=VALUE"),
+            ("meshes.a.b=3", "valid are: materials, lights, instances"),
+            ("materials.silver.roughness=0", "valid are: wall.white, gold"),
+            (
+                "materials.wall.white.roughness=0",
+                "unknown field 'roughness'; valid are: base_color, emission",
+            ),
+            ("materials.gold.roughness=2", "from 0 to 1"),
+            ("materials.gold.roughness=nan", "from 0 to 1"),
+            ("materials.gold.base_color=1,2", "three numbers from 0 to 1"),
+            ("lights.1.intensity=1", "valid are: 0"),
+            ("lights.0.intensity=*red", "after the *"),
+            ("instances.a.visible=true", "the list is empty or nameless"),
+        ] {
+            let message = apply(&mut scene, text).expect_err(text);
+            assert!(message.contains(words), "{text}: {message}");
         }
-        _ => return None,
-    })
+    }
 }

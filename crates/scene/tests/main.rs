@@ -14,7 +14,6 @@ mod gltf;
 mod gltf_extensions;
 mod mutations;
 mod obj;
-mod overrides;
 mod ply;
 mod save;
 mod solids;

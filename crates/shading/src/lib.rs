@@ -23,6 +23,6 @@ pub use batch::{Detail, FacingRows, RayKind, SampleKey, SurfaceBatch, Vec3s};
 pub use point::{Leaving, Rays, SurfacePoint};
 pub use projective_camera::{CameraProjection, ProjectiveCamera};
 pub use shader::{
-    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, LightBatch, LightShader, PixelSamples,
-    PixelShader, RadianceShader, RayRequest, SurfaceHit, SurfaceShader, Tracer,
+    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, Interior, LightBatch, LightShader,
+    PixelSamples, PixelShader, RadianceShader, RayRequest, SurfaceHit, SurfaceShader, Tracer,
 };

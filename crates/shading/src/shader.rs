@@ -86,6 +86,11 @@ pub trait SurfaceShader: Send + Sync {
         false
     }
 
+    /// The medium behind it, if that is the same at all points: only then can it scatter light.
+    fn interior(&self) -> Option<Interior> {
+        None
+    }
+
     /// Whether some point may be smooth glass or tinted transparency: light samples search for lights only
     /// through such surfaces.
     fn is_clear(&self) -> bool {
@@ -115,6 +120,17 @@ pub trait SurfaceShader: Send + Sync {
     fn attributes(&self) -> &[AttributeRequest] {
         &[]
     }
+}
+
+/// An even medium behind a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Interior {
+    /// Absorption coefficient, 1 over world units, >= 0.
+    pub absorption: Vec3,
+    /// Scattering coefficient, 1 over world units, >= 0.
+    pub scattering: Vec3,
+    /// Mean cosine of scattered light, in (-1, 1).
+    pub anisotropy: f32,
 }
 
 /// A surface that computes its radiance itself.

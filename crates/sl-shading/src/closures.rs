@@ -33,7 +33,10 @@ pub(crate) enum Known {
     Conductor,
     Schlick,
     Hair,
-    /// Volumes and closures without an appearance.
+    /// What lies behind the surface.
+    AnisotropicVdf,
+    MediumVdf,
+    /// Closures without an appearance.
     Nothing,
 }
 
@@ -65,8 +68,8 @@ const KNOWN: [(Known, &str); 29] = [
     (Known::Sheen, "sheen_bsdf"),
     (Known::Hair, "chiang_hair_bsdf"),
     (Known::UniformEdf, "uniform_edf"),
-    (Known::Nothing, "anisotropic_vdf"),
-    (Known::Nothing, "medium_vdf"),
+    (Known::AnisotropicVdf, "anisotropic_vdf"),
+    (Known::MediumVdf, "medium_vdf"),
     (Known::Layer, "layer"),
 ];
 

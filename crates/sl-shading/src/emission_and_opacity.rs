@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Emission and transparency of points: how closures that emit light or transmit it straight change the
-//! scattering of the others.
+//! Emission, transparency and the matter behind points: how closures that emit light or transmit it straight
+//! change the scattering of the others.
 //! Tests: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobe};
+use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobe, Medium};
 use gnurt_sl::exec::LANES;
 
 use crate::parts::Lights;
@@ -19,6 +19,8 @@ pub(crate) struct EmissionAndOpacity {
     pub(crate) emission: Vec3,
     /// Share of light that it stops.
     pub(crate) there: f32,
+    /// Absorption coefficient behind the surface, 1 over world units.
+    pub(crate) absorption: Vec3,
 }
 
 impl EmissionAndOpacity {
@@ -43,16 +45,21 @@ impl EmissionAndOpacity {
             lists.times(1 << lane, &Default::default(), &[[1.0 / there; LANES]; 3]);
         }
         let emission = if emission.is_finite() && there > 0.0 { emission / there } else { Vec3::ZERO };
-        Self { emission, there }
+        let absorption = lights.absorption.get(lane);
+        let absorption = if absorption.is_finite() { absorption } else { Vec3::ZERO };
+        Self { emission, there, absorption }
     }
 
-    /// Writes it for point `i`.
-    pub(crate) fn write(self, i: usize, out: &mut ClosureBatch) {
+    /// Writes it for point `i`, seen from its front or from behind.
+    pub(crate) fn write(self, i: usize, front: bool, out: &mut ClosureBatch) {
         if self.there < 1.0 {
             out.cover(i, self.there);
         }
         if self.emission != Vec3::ZERO {
             out.emit(i, self.emission);
+        }
+        if self.absorption != Vec3::ZERO {
+            out.fill(i, Medium::behind(self.absorption, front));
         }
     }
 }

@@ -10,9 +10,9 @@
 use std::collections::HashMap;
 
 use glam::Vec3;
-use gnurt_shading::SurfaceBatch;
 use gnurt_shading::batch::FacingRows;
 use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobes};
+use gnurt_shading::{Interior, SurfaceBatch};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Instruction, LANES, Plan, Points, Program as _, Results, Slot, Source, Step, lanes_of};
 use gnurt_sl::ir::SymbolKind;
@@ -42,6 +42,7 @@ struct Side {
     /// Lobes of the share of light that is stopped.
     stopped: Lobes,
     emission_and_opacity: EmissionAndOpacity,
+    interior: Interior,
 }
 
 impl Fixed {
@@ -69,16 +70,21 @@ impl Fixed {
                 !flattened.is_cut() && flattened.lists.bent() == 0 && flattened.lights.radiance.some == 0;
             let Flattened { mut lists, lights, .. } = flattened;
             let (lobes, through) = (lists.lobes(0), lights.through.get(0));
-            let has_emission_or_opacity = (lights.emission.some | lights.through.some) != 0;
-            let emission_and_opacity = match has_emission_or_opacity {
+            let has_others = (lights.emission.some | lights.through.some | lights.absorption.some) != 0;
+            let emission_and_opacity = match has_others {
                 true => EmissionAndOpacity::of(&mut lists, &lights, 0),
-                false => EmissionAndOpacity { emission: Vec3::ZERO, there: 1.0 },
+                false => EmissionAndOpacity { emission: Vec3::ZERO, there: 1.0, absorption: Vec3::ZERO },
+            };
+            let interior = Interior {
+                absorption: emission_and_opacity.absorption,
+                scattering: lights.scattering.get(0),
+                anisotropy: lights.anisotropy,
             };
             let stopped = lists.lobes(0);
             // A pane for coloured transmission lies around the points' normals even where lobes of closures
             // do not.
             let is_pane = stopped.as_slice().len() > lobes.as_slice().len();
-            (is_plain && !is_pane).then_some(Side { lobes, through, stopped, emission_and_opacity })
+            (is_plain && !is_pane).then_some(Side { lobes, through, stopped, emission_and_opacity, interior })
         };
         Some(Self { front: flatten_lists(0)?, back: flatten_lists(1)? })
     }
@@ -87,6 +93,11 @@ impl Fixed {
     pub(crate) fn at(&self, hits: &SurfaceBatch, i: usize) -> (&Lobes, Vec3) {
         let side = if hits.front(i) { &self.front } else { &self.back };
         (&side.lobes, side.through)
+    }
+
+    /// The medium behind the surface, as its front has it.
+    pub(crate) fn interior(&self) -> Interior {
+        self.front.interior
     }
 
     /// The unit normal that the lobes of a point lie around, on the side that its ray came from.
@@ -124,7 +135,9 @@ impl Fixed {
                 side.stopped.as_slice().iter().for_each(|lobe| lists.push(some, lobe));
             }
             for (some, side) in sides {
-                lanes_of(some).for_each(|lane| side.emission_and_opacity.write(first + lane, out));
+                lanes_of(some).for_each(|lane| {
+                    side.emission_and_opacity.write(first + lane, hits.front(first + lane), out);
+                });
             }
         }
     }
@@ -258,7 +271,7 @@ impl<'p> Walk<'p> {
         let Some(index) = all().0.iter().position(|decl| *decl.name == *name) else { return false };
         let shape = &self.shapes[index];
         let normal = match shape.known {
-            Known::Layer | Known::Nothing => None,
+            Known::Layer | Known::Nothing | Known::AnisotropicVdf | Known::MediumVdf => None,
             Known::Emission | Known::UniformEdf | Known::Transparent => None,
             Known::Radiance => return false,
             _ => match shape.normal() {

@@ -2,10 +2,11 @@
 //! From one closure of a point to its lobes.
 //! The closures are defined by the OSL specification and MaterialX, the lobes' models by
 //! docs/reference/materials.md. Differs from other renderers: microfacets of MaterialX's closures are GGX
-//! under any distribution's name; volumes are not drawn.
+//! under any distribution's name.
 //! Space: world. Tests: `tests/scripts/closures.rs`.
 
 use glam::Vec3;
+use gnurt_shading::Interior;
 use gnurt_shading::bsdf::{Film, Lobe};
 use gnurt_sl::exec::{Cells, Part, WELL_KNOWN};
 
@@ -208,6 +209,22 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
         _ => return [None; 3],
     };
     [Some(one), None, None]
+}
+
+/// The medium of a volume closure.
+pub(crate) fn interior(p: &Params) -> Interior {
+    let albedo = p.share(0);
+    let (extinction, anisotropy) = match p.shape.known {
+        Known::MediumVdf => {
+            let (depth, left) = (p.float(1), p.share(2).max(Vec3::splat(1e-6)));
+            let most = if depth > 0.0 { left.map(|x| -x.ln()) / depth } else { Vec3::ZERO };
+            (most, p.float(3))
+        }
+        _ => (p.vec3(1), p.float(2)),
+    };
+    let extinction = if extinction.is_finite() { extinction.max(Vec3::ZERO) } else { Vec3::ZERO };
+    let scattering = extinction * albedo;
+    Interior { absorption: extinction - scattering, scattering, anisotropy: anisotropy.clamp(-0.99, 0.99) }
 }
 
 /// A hair: a lobe for each of its terms. Scales of the distribution around it are those before the factor of \[CBTB16\].

@@ -4,11 +4,12 @@
 //! Tests: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
+use gnurt_shading::Interior;
 use gnurt_shading::bsdf::{ClosureBatch, Ends, Lists};
 use gnurt_sl::exec::{Cells, Closure, Closures, LANES, Part, Points, Results, lanes_of};
 
 use crate::closures::{Known, Shape, all};
-use crate::lobe::{Params, lobes};
+use crate::lobe::{Params, interior, lobes};
 
 /// Layers may lie on each other this deep.
 const DEEPEST: u32 = 16;
@@ -61,12 +62,17 @@ pub(crate) struct Lights {
     pub(crate) through: Light,
     /// Radiance that the shader has computed itself.
     pub(crate) radiance: Light,
+    /// Absorption and scattering coefficients behind the surface, 1 over world units.
+    pub(crate) absorption: Light,
+    pub(crate) scattering: Light,
+    /// Mean cosine of the scattering of the last medium.
+    pub(crate) anisotropy: f32,
 }
 
 impl Lights {
     /// Whether there are none.
     fn are_out(&self) -> bool {
-        (self.emission.some | self.through.some | self.radiance.some) == 0
+        (self.emission.some | self.through.some | self.radiance.some | self.absorption.some) == 0
     }
 }
 
@@ -208,8 +214,19 @@ impl<'a> Flattened<'a> {
                 self.lights.emission.add(lanes, |i| light(i) * column(weight, i));
             }
             Known::Layer => self.layer(part, lanes, weight, depth),
+            Known::AnisotropicVdf | Known::MediumVdf => self.medium(shape, part, lanes, weight),
             Known::Nothing => {}
             _ => self.scatter(shape, part, lanes, weight),
+        }
+    }
+
+    /// The medium behind the surface.
+    fn medium(&mut self, shape: &'static Shape, part: &Part<'a>, lanes: u32, weight: &Rows) {
+        for i in lanes_of(lanes) {
+            let Interior { absorption, scattering, anisotropy } = interior(&Params::new(shape, part, i));
+            self.lights.absorption.add(1 << i, |i| absorption * column(weight, i));
+            self.lights.scattering.add(1 << i, |i| scattering * column(weight, i));
+            self.lights.anisotropy = anisotropy;
         }
     }
 
@@ -234,6 +251,9 @@ impl<'a> Flattened<'a> {
         self.lights.emission.add_times(lanes, &inner.emission, weight);
         self.lights.through.add_times(lanes, &inner.through, weight);
         self.lights.radiance.add_times(lanes, &inner.radiance, weight);
+        self.lights.absorption.add_times(lanes, &inner.absorption, weight);
+        self.lights.scattering.add_times(lanes, &inner.scattering, weight);
+        self.lights.anisotropy = inner.anisotropy;
     }
 
     /// Multiplies lobes by weights, if some are not 1.

@@ -21,6 +21,8 @@ pub(crate) struct Properties {
     pub(crate) is_holey: bool,
     /// Light goes through smooth glass.
     pub(crate) is_glass: bool,
+    /// There may be a medium behind it.
+    pub(crate) has_medium: bool,
     /// It gives off light.
     pub(crate) is_light: bool,
     /// It computes its radiance by its own rays and light loops.
@@ -123,7 +125,13 @@ impl Reader<'_> {
         };
         let Some((Base::String, name)) = bits_of(1, 0) else {
             // Unknown.
-            *properties = Properties { is_holey: true, is_glass: true, is_light: true, ..*properties };
+            *properties = Properties {
+                is_holey: true,
+                is_glass: true,
+                has_medium: true,
+                is_light: true,
+                ..*properties
+            };
             return;
         };
         let (decls, shapes) = all();
@@ -139,6 +147,7 @@ impl Reader<'_> {
         let is_black = |parameter: usize| (0..3).all(|k| number(parameter, k).is_some_and(|x| x <= 0.0));
         let is_dull = |x: usize, y: usize| [x, y].iter().any(|&i| number(i, 0).is_some_and(|x| x >= SMOOTH));
         match shapes[index].known {
+            Known::AnisotropicVdf | Known::MediumVdf => properties.has_medium = true,
             Known::Transparent => properties.is_holey = true,
             Known::Emission | Known::UniformEdf => properties.is_light = true,
             Known::Radiance => properties.is_radiance = true,

@@ -9,7 +9,7 @@
 use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Scattering};
 use gnurt_shading::materials::scattered_radiance;
-use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{AttributeRequest, Interior, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{LANES, Points, lanes_of};
 
@@ -92,7 +92,7 @@ impl ScriptSurface {
     ) {
         let Flattened { mut lists, lights, points, .. } = flattened;
         let count = LANES.min(hits.len() - first);
-        for lane in lanes_of(lights.emission.some | lights.through.some) {
+        for lane in lanes_of(lights.emission.some | lights.through.some | lights.absorption.some) {
             emission_and_opacity.push((first + lane, EmissionAndOpacity::of(&mut lists, &lights, lane)));
         }
         lists.face_all(&points.n);
@@ -124,7 +124,7 @@ impl SurfaceShader for ScriptSurface {
         });
         emission_and_opacity
             .into_iter()
-            .for_each(|(i, emission_and_opacity)| emission_and_opacity.write(i, out));
+            .for_each(|(i, emission_and_opacity)| emission_and_opacity.write(i, hits.front(i), out));
     }
 
     fn radiance(&self) -> Option<&dyn RadianceShader> {
@@ -143,6 +143,14 @@ impl SurfaceShader for ScriptSurface {
             let glass = straight.map_or(Vec3::ZERO, |branch| branch.weight);
             out.set(i, (through + glass).clamp(Vec3::ZERO, Vec3::ONE));
         });
+    }
+
+    fn has_medium(&self) -> bool {
+        self.common.properties.has_medium
+    }
+
+    fn interior(&self) -> Option<Interior> {
+        self.fixed.as_ref().map(Fixed::interior).filter(|interior| *interior != Interior::default())
     }
 
     fn is_opaque(&self) -> bool {

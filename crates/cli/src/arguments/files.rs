@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use gnurt::LoadOptions;
+use gnurt::Override;
 use gnurt::image::TileCache;
 use gnurt::scene::io::{UpAxis, VariantChoice};
-use gnurt::scene::overrides::Override;
 
 use super::value;
 use crate::failure::Failure;
@@ -71,13 +71,14 @@ pub(crate) struct FileArguments {
     )]
     up: Option<UpAxis>,
 
-    /// Change a material, light or instance by its name (`*` = all): materials.gold.roughness=0.3,
-    /// lights.key.intensity=2, instances.chair.visible=false
+    /// Change a value of the scene, as in materials.gold.roughness=0.3, lights.*.intensity=*0.5 or instances.chair.visible=false;
+    /// repeatable
     #[arg(
         long,
         help_heading = "Scene",
         hide_short_help = true,
-        value_name = "PART.NAME.PROPERTY=VALUE",
+        value_name = "LIST.NAME.FIELD=VALUE",
+        value_parser = Override::parse,
         allow_hyphen_values = true
     )]
     set: Vec<Override>,

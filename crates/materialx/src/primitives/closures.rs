@@ -114,20 +114,21 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             format!("uniform_edf({})", g.arg(call, "color")?.first())
         }
         "absorption_vdf" => {
-            format!("anisotropic_vdf(color({}), color(0), 0)", g.arg(call, "absorption")?.first())
+            format!("anisotropic_vdf(color(0), color({}), 0)", g.arg(call, "absorption")?.first())
         }
         "anisotropic_vdf" => {
             let names = ["absorption", "scattering", "anisotropy"];
             let [absorption, scattering, g0] = all(g, call, names)?.map(|value| value.first().to_owned());
-            format!("anisotropic_vdf(color({absorption}), color({scattering}), {g0})")
+            let all = g.name("color", &format!("color({absorption}) + color({scattering})"));
+            format!("anisotropic_vdf(color({scattering}) / max({all}, color(1e-9)), {all}, {g0})")
         }
         "layer" => {
             let [top, base] = all(g, call, ["top", "base"])?;
             match (top.first(), base.first()) {
                 ("0", _) => base.first().to_owned(),
                 (_, "0") => top.first().to_owned(),
-                // Matter inside: the surface alone, unless the medium is drawn.
-                (top, _) if base.ty == Ty::Vdf => top.to_owned(),
+                // Matter inside.
+                (top, base_text) if base.ty == Ty::Vdf => format!("{top} + {base_text}"),
                 (top, base) => format!("layer({top}, {base})"),
             }
         }

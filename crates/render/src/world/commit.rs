@@ -109,7 +109,7 @@ impl World {
         }
 
         if !dirty.materials.is_empty() || !dirty.media.is_empty() {
-            let media = Media::new(scene, &self.media);
+            let media = Media::new(scene, shaders, &self.media);
             if !(media.is_empty() && self.media.is_empty()) {
                 self.media = Arc::new(media);
             }

@@ -7,11 +7,13 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use gnurt_scene::medium::{DensityGrid, Extent};
-use gnurt_scene::{Material, Medium, Scene};
+use gnurt_scene::medium::{DensityGrid, Extent, Phase as ScenePhase};
+use gnurt_scene::{Material, Medium, Scene, Surface};
+use gnurt_shading::Interior;
 use gnurt_shading::phase::Phase;
 
 use super::grid::Grid;
+use super::table::ShaderTable;
 
 /// A medium as rays meet it.
 #[derive(Clone)]
@@ -66,7 +68,7 @@ impl Inside {
 
 impl Media {
     /// Those of a scene; grids that are there are kept.
-    pub(super) fn new(scene: &Scene, before: &Self) -> Self {
+    pub(super) fn new(scene: &Scene, shaders: &ShaderTable, before: &Self) -> Self {
         let mut media = Self::default();
         for medium in scene.media() {
             media.list.push(entry(medium, before));
@@ -79,12 +81,16 @@ impl Media {
                 Extent::Free => media.free.push(number),
             }
         }
-        let needs_media = |material: &Material| material.medium.is_some() || material.scatters_within();
+        let needs_media = |material: &Material| {
+            let own = interior_of(material, shaders);
+            let scatters = own.is_some_and(|interior| interior.scattering != [0.0; 3]);
+            material.medium.is_some() || scatters
+        };
         if media.list.is_empty() && !scene.materials().iter().any(needs_media) {
             return Self::default();
         }
         for material in scene.materials() {
-            let number = match (material.medium, material.interior_medium()) {
+            let number = match (material.medium, interior_of(material, shaders)) {
                 (Some(id), _) => numbers.clone().nth(id.index()).unwrap_or(0),
                 (None, Some(interior)) if media.list.len() < usize::from(u16::MAX) => {
                     media.list.push(entry(&interior, before));
@@ -125,6 +131,20 @@ impl Media {
         let base = body.unwrap_or(self.around);
         (base != 0).then_some(base).into_iter().chain(self.free.iter().copied())
     }
+}
+
+/// The medium of a material's interior, if it is not clear.
+fn interior_of(material: &Material, shaders: &ShaderTable) -> Option<Medium> {
+    let Surface::Shader(number) = material.surface else { return material.interior_medium() };
+    let Interior { absorption, scattering, anisotropy } =
+        shaders.surfaces.get(number as usize)?.interior()?;
+    Some(Medium {
+        name: material.name.clone(),
+        absorption: absorption.into(),
+        scattering: scattering.into(),
+        phase: ScenePhase { anisotropy, ..ScenePhase::default() },
+        ..Medium::default()
+    })
 }
 
 fn entry(medium: &Medium, before: &Media) -> MediumEntry {

@@ -91,6 +91,39 @@ fn each_closure_has_its_lobe() {
 }
 
 #[test]
+fn volume_closures_are_what_lies_behind() {
+    let glass = "dielectric_bsdf (N, vector (0), color (1), color (1), 0, 0, 1.5, \"ggx\")";
+    let absorbing = Vec3::new(0.5, 1.0, 0.25);
+    for (closure, absorption, scattering) in [
+        (format!("{glass} + anisotropic_vdf (color (0), color (0.5, 1, 0.25), 0.3)"), absorbing, Vec3::ZERO),
+        (format!("layer ({glass}, anisotropic_vdf (color (0.5), color (2), 0.3))"), Vec3::ONE, Vec3::ONE),
+        (
+            format!("0.5 * medium_vdf (color (0.25), 2, color (exp (-4)), 0.3, 1.5, 0) + {glass}"),
+            Vec3::splat(0.75),
+            Vec3::splat(0.25),
+        ),
+    ] {
+        for varying in ["1", "(u < 7 ? 1 : 2)"] {
+            let made = surface(&format!("Ci = {varying} * ({closure});"));
+            let mut out = ClosureBatch::default();
+            out.reset(1);
+            made.evaluate(&floor(1), &mut out);
+            let near = |a: Vec3, b: Vec3| (a - b).abs().max_element() < 1e-5;
+            assert!(made.has_medium() && near(out.medium(0).on(false), absorption), "{closure}");
+            assert_eq!(out.medium(0).on(true), Vec3::ZERO, "only beyond the front: {closure}");
+            match (made.interior(), varying) {
+                (Some(interior), "1") => {
+                    assert!(near(interior.scattering, scattering) && interior.anisotropy == 0.3, "{closure}");
+                }
+                (None, varying) => assert_ne!(varying, "1", "{closure}"),
+                (Some(_), _) => panic!("a medium that varies is not one medium: {closure}"),
+            }
+        }
+    }
+    assert!(!surface(&format!("Ci = {glass};")).has_medium(), "nothing behind");
+}
+
+#[test]
 fn facets_are_as_wide_as_shaders_say() {
     let only = |closure: &str| {
         let found = point(&format!("Ci = {closure};"));
