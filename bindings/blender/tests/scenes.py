@@ -86,39 +86,27 @@ def alpha_emission():
     balls(material("a", Base_Color=(0.8, 0.1, 0.1), Alpha=0.5), material("b", Base_Color=(0, 0, 0), Emission_Color=(0.2, 0.5, 1), Emission_Strength=1.5), material("c", "ShaderNodeEmission", Color=(1, 0.6, 0.2), Strength=2.0))
 
 
-def skins(**inputs):
-    for i, c in enumerate([0.9, 0.6, 0.3]):
-        made = material(f"m{i}", "ShaderNodeSubsurfaceScattering", Color=(c, c, c), **inputs)
-        nodes_of(made)[2].falloff = METHOD[0]
-        yield made
-
-
-METHOD = ["RANDOM_WALK"]
-
-
-def raw(scale, method):
-    METHOD[0] = method
-    balls(*skins(Scale=scale, Radius=(1, 0.5, 0.25), Anisotropy=0.0))
+def scattering(i, method, color, **inputs):
+    made = material(f"m{i}", "ShaderNodeSubsurfaceScattering", Color=color, **inputs)
+    nodes_of(made)[2].falloff = method
+    return made
 
 
 @scene
-def raw_a():
-    raw(0.2, "RANDOM_WALK")
+def subsurface():
+    colors = [(0.8, 0.5, 0.3), (0.9, 0.9, 0.9), (0.3, 0.6, 0.4)]
+    balls(*(scattering(i, "RANDOM_WALK", c, Scale=s, Radius=(1, 0.5, 0.25)) for i, (c, s) in enumerate(zip(colors, [0.1, 0.5, 0.3]))))
 
 
 @scene
-def raw_b():
-    raw(1.0, "RANDOM_WALK")
+def skin():
+    colors = [(0.8, 0.5, 0.3), (0.9, 0.9, 0.9), (0.3, 0.6, 0.4)]
+    balls(*(scattering(i, "RANDOM_WALK_SKIN", c, Scale=s, Radius=(1, 0.5, 0.25), Anisotropy=g) for i, (c, s, g) in enumerate(zip(colors, [0.05, 0.2, 0.1], [0, 0, 0.5]))))
 
 
 @scene
-def raw_c():
-    raw(0.2, "RANDOM_WALK_SKIN")
-
-
-@scene
-def raw_d():
-    raw(1.0, "RANDOM_WALK_SKIN")
+def principled_subsurface():
+    balls(*(material(f"m{i}", Base_Color=(0.8, 0.4, 0.3), Roughness=0.4, Subsurface_Weight=w, Subsurface_Scale=s) for i, (w, s) in enumerate([(0.5, 0.1), (1, 0.1), (1, 0.5)])))
 
 
 @scene

@@ -157,7 +157,7 @@ fn interior(given: &mut Given) -> PyResult<Interior> {
 fn subsurface(given: &mut Given) -> PyResult<Subsurface> {
     let default = Subsurface::default();
     Ok(Subsurface {
-        factor: share(given, "subsurface", 0.0)?,
+        factor: given.number("subsurface", 0.0, 1.0)?.unwrap_or(0.0) as f32,
         radius: given.color("subsurface_radius")?.unwrap_or(default.radius),
         anisotropy: given.number("subsurface_anisotropy", -0.99, 0.99)?.unwrap_or(0.0) as f32,
     })

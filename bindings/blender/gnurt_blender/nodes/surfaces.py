@@ -159,22 +159,22 @@ def sheen(p):
     return {"BSDF": ("closure color", f"sheen_bsdf({p.normal()}, {color_of(p)}, {fibres(p, 'Roughness')}, \"mode\", 1)")}
 
 
-def below(p, n, color, prefix, method):
-    """Light below the surface, by its colour and the settings of a node whose names begin with a prefix."""
+def below(p, n, color, prefix, method, gloss):
+    """Light below the surface, by its colour and the settings of a node whose names begin with a prefix; `gloss`: whether a gloss is above."""
     p.need("subsurface")
     albedo = p.var("color", f"clamp({color}, color(0), color(1))")
     radius = p.var("color", f"max(color({p.v(prefix + 'Radius')}) * {p.f(prefix + 'Scale')}, color(0))")
     anisotropy = p.var("float", f"clamp({p.f(prefix + 'Anisotropy')}, -0.99, 0.99)")
     if method == "RANDOM_WALK_SKIN":
-        return f'subsurface_bssrdf({n}, {albedo}, {radius}, {anisotropy}, "ior", max({p.f(prefix + "IOR")}, 1.0))'
-    return f"subsurface_bssrdf({n}, {albedo}, b_free_path({albedo}, {radius}), {anisotropy})"
+        return f'subsurface_bssrdf({n}, b_skin_color({albedo}, {gloss}), b_skin_path({albedo}, {radius}), {anisotropy}, "ior", max({p.f(prefix + "IOR")}, 1.0))'
+    return f"subsurface_bssrdf({n}, b_walk_color({albedo}, {gloss}), b_walk_path({albedo}, {radius}), {anisotropy})"
 
 
 @node("SUBSURFACE_SCATTERING")
 def subsurface(p):
     if p.falloff == "BURLEY":
         p.warn("the profile of Christensen and Burley is shown as a random walk")
-    return {"BSSRDF": ("closure color", below(p, p.var("vector", p.normal()), color_of(p), "", p.falloff))}
+    return {"BSSRDF": ("closure color", below(p, p.var("vector", p.normal()), color_of(p), "", p.falloff, 0))}
 
 
 @node("BSDF_TOON")
@@ -290,14 +290,15 @@ def principled(p):
     parts = []
     is_metal, is_glass = p.is_constant("Metallic", 1.0), p.is_constant("Transmission Weight", 1.0)
     if not is_metal and not is_glass:
+        has_gloss = not (p.is_constant("Specular IOR Level", 0.0) or p.is_constant("IOR", 1.0))
         if p.is_constant("Diffuse Roughness", 0.0):
             body = f"{base} * diffuse({n})"
         else:
             body = rough_diffuse(p, n, base, share(p, "Diffuse Roughness"))
         if not p.is_constant("Subsurface Weight", 0.0):
             weight = share(p, "Subsurface Weight")
-            body = f"(1.0 - {weight}) * {closure(p, body)} + {weight} * {below(p, n, base, 'Subsurface ', p.subsurface_method)}"
-        if not (p.is_constant("Specular IOR Level", 0.0) or p.is_constant("IOR", 1.0)):
+            body = f"(1.0 - {weight}) * {closure(p, body)} + {weight} * {below(p, n, base, 'Subsurface ', p.subsurface_method, int(has_gloss))}"
+        if has_gloss:
             if film or not p.is_constant("Specular Tint", 1.0):
                 top = (
                     f"generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, clamp({f0} * {tint}, color(0), color(1)), "
