@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from . import cameras, hashes, images, meshes, strands
+from . import cameras, hashes, images, meshes, strands, volumes
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
@@ -17,6 +17,7 @@ from .warned import Warned
 
 # From the middle of our latitude-longitude pictures, which is y, to that of Blender's, which is x; degrees.
 TURN = -90.0
+NOTHING = "surface blender_volume () { Ci = transparent(); }"
 GREY = 'surface blender_default () { Ci = 0.8 * diffuse(N); }'
 
 
@@ -116,6 +117,7 @@ class Export:
         # Numbers of points and spots, which go over together.
         self.points = []
         self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
+        self.has_media = volumes.has_media(depsgraph)
         self.view = view or cameras.of_scene(self.scene_data, camera, size, self.warn)
 
     def put_all(self, cancelled=lambda: False):
@@ -150,7 +152,9 @@ class Export:
             self.place(instance, found, matrix, rays, self.curves_of)
         elif found.type == "POINTCLOUD":
             self.place(instance, found, matrix, rays, self.points_of)
-        elif found.type in {"VOLUME", "GREASEPENCIL", "GPENCIL"}:
+        elif found.type == "VOLUME":
+            self.volume(found, matrix)
+        elif found.type in {"GREASEPENCIL", "GPENCIL"}:
             self.warn(f"object '{found.name}': objects of type {found.type} are not shown")
 
     def rays_of(self, found):
@@ -191,6 +195,16 @@ class Export:
             number = self.scene.add_instance(own, matrix, rays)
         self.objects[number] = (found, slots)
         self.numbers[self.key_of(instance, found)] = number
+
+    def volume(self, found, matrix):
+        """Shows a volume object at a place."""
+        if self.override is not None:
+            return
+        material = found.material_slots[0].material if found.material_slots else None
+        tree = getattr(material, "node_tree", None)
+        output = tree.get_output_node("CYCLES") if tree else None
+        code = Code("surface", Surroundings(self, material or found, found, None))
+        volumes.put_object(self, code, tree, output, found, matrix)
 
     def mesh_of(self, instance, found, slots, matrix, rays):
         mesh = found.data if found.type == "MESH" else found.to_mesh()
@@ -279,7 +293,8 @@ class Export:
     def material(self, material, found, mesh, instance, slot=0):
         """The number of a material, the attributes that it reads, and whether it is that of this object alone."""
         if self.override is not None:
-            return self.shader(self.override(found), "override", {}), {}, False
+            text = NOTHING if is_volume_alone(material) else self.override(found)
+            return self.shader(text, "override", {}), {}, False
         if material is None:
             return self.shader(GREY, "default", {}), {}, False
         tree = getattr(material, "node_tree", None)
@@ -293,29 +308,30 @@ class Export:
             return self.materials[key]
         code = Code("surface", host)
         output = tree.get_output_node("CYCLES")
-        result = []
+        result, medium = [], None
         if output is not None:
             if output.inputs["Displacement"].is_linked and material.displacement_method != "DISPLACEMENT_":
                 bump_of_displacement(code, tree, output, material)
-            if output.inputs["Volume"].is_linked:
-                self.warn(f"material '{material.name}': volumes are not shown")
+            medium = volumes.of_body(self, code, tree, output, found) if mesh is not None else None
             surface = compile_tree(code, tree, output.inputs["Surface"])
             result = [f"Ci = {surface};"] if surface else []
-        else:
-            result = []
-        text = code.text("blender_material", result or ["Ci = 0;"])
-        number = self.shader(text, material.name, code.textures, material.pass_index)
+        text = NOTHING if is_volume_alone(material) else code.text("blender_material", result or ["Ci = 0;"])
+        number = self.shader(text, material.name, code.textures, material.pass_index, medium)
         self.material_indices[number] = material.pass_index
         made = (number, code.attributes, code.uses_object)
         if not code.uses_object:
             self.materials[key] = made
         return made
 
-    def shader(self, text, name, textures, index=0):
-        """The number of a material with this shader and pass index."""
-        key = (text, tuple(sorted(textures.items())), index)
+    def shader(self, text, name, textures, index=0, medium=None):
+        """The number of a material with this shader, pass index and medium."""
+        key = (text, tuple(sorted(textures.items())), index, medium)
         if key not in self.shaders:
-            self.shaders[key] = self.scene.add_material(name, shader=text, **({"textures": textures} if textures else {}))
+            properties = {"textures": textures} if textures else {}
+            properties |= {} if medium is None else {"medium": medium}
+            # A surface of a medium that is not seen is no shader: shadow rays pass it without one.
+            properties |= {"kind": "boundary"} if text == NOTHING and medium is not None else {"shader": text}
+            self.shaders[key] = self.scene.add_material(name, **properties)
             self.reads_uv[self.shaders[key]] = bool(re.search(r"\(u, v|dPdu", text))
         return self.shaders[key]
 
@@ -360,6 +376,8 @@ class Export:
         host = Surroundings(self, world, None, None)
         code = Code("environment", host)
         result = None
+        if output is not None:
+            volumes.of_world(self, code, tree, output)
         plain = uniform(tree, output) if output is not None else None
         if plain is not None:
             self.scene.add_light("environment", radiance=plain)
@@ -372,8 +390,6 @@ class Export:
             self.scene.add_light("environment", texture=number[0], radiance=strength, up=(0.0, 0.0, 1.0), turn=TURN)
             return
         if output is not None:
-            if output.inputs["Volume"].is_linked:
-                self.warn(f"world '{world.name}': volumes are not shown")
             result = compile_tree(code, tree, output.inputs["Surface"])
         if result is None:
             self.scene.add_light("environment", radiance=0)
@@ -381,6 +397,13 @@ class Export:
         text = code.text("blender_world", [f"Ci = {result};"])
         textures = {"textures": code.textures} if code.textures else {}
         self.scene.add_light("environment", shader=text, up=(0.0, 0.0, 1.0), **textures)
+
+
+def is_volume_alone(material):
+    """Whether a material has a volume and no surface."""
+    tree = getattr(material, "node_tree", None)
+    output = tree.get_output_node("CYCLES") if tree and getattr(material, "use_nodes", True) else None
+    return output is not None and volumes.is_fed(tree, output.inputs["Volume"]) and not volumes.is_fed(tree, output.inputs["Surface"])
 
 
 def uniform(tree, output):

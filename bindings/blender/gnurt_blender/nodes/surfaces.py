@@ -251,7 +251,7 @@ def eevee_specular(p):
 
 @node("VOLUME_ABSORPTION", "VOLUME_SCATTER", "PRINCIPLED_VOLUME", "VOLUME_COEFFICIENTS")
 def volume(p):
-    p.warn("volumes are not shown")
+    p.warn("a volume node at a surface is not shown")
     return {}
 
 

@@ -8,9 +8,9 @@ import sys
 import time
 import warnings
 
-from ._gnurt import Scene as _Scene
+from ._gnurt import Scene as _Scene, _read_volume
 
-__all__ = ["Camera", "Scene", "load"]
+__all__ = ["Camera", "Scene", "load", "read_volume"]
 
 #: Reading and rendering, at the level INFO. Warnings are Python's: `logging.captureWarnings(True)` logs them, too.
 _log = logging.getLogger("gnurt")
@@ -68,6 +68,8 @@ class Scene(_Scene):
         kind="principled" (metallic, roughness, ior, specular, clearcoat, sheen_color, transmission, thin, anisotropy, iridescence,
         diffuse_transmission, attenuation_color, attenuation_distance, dispersion, scatter_color, scatter_anisotropy, ...), "matte", "mirror" or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
 
+        medium=NUMBER of `add_medium` fills closed meshes of the material; kind="boundary" with it is a surface that is not seen.
+
         Textures are numbers of `add_texture`, or (number, (a, b, c, d, e, f)) for u' = a u + c v + e, v' = b u + d v + f. They are color_texture,
         metallic_roughness_texture, normal_texture (normal_scale), emission_texture, opacity_texture (opacity_channel, opacity_cutoff),
         bump_texture (bump_height), anisotropy_texture; of layers specular, specular_color, clearcoat, clearcoat_roughness, clearcoat_normal,
@@ -85,6 +87,26 @@ class Scene(_Scene):
         """Puts another material in the place of one."""
         self._set_material(material, {"name": name, **properties})
         _warn(self._progress())
+
+    def add_medium(self, name="", **properties):
+        """The number of a new medium: fog, smoke, milk.
+
+        absorption and scattering are coefficients, 1 over world units, emission is the radiance of infinitely much of it that only absorbs:
+        three numbers or one each. Directions of scattered light: anisotropy, second_anisotropy, second_share, after Henyey and Greenstein.
+
+        extent="bodies" is within closed meshes whose materials have medium=NUMBER; where they overlap, the highest priority is there,
+        and all those with adds=True in addition.
+        "around" is outside of these, in a ball of centre and radius, which is infinite without them.
+
+        density (x, y, z) multiplies the coefficients in the cells of the unit cube, emission_grid (x, y, z) or (x, y, z, 3) the emission;
+        transform takes the cube to the world. Or file=FILE of OpenVDB, with the names grid="density" and emission_grid; transform takes its world
+        to that of the scene. Such media have extent="free": the box of their grid, in addition to others.
+        """
+        return self._add_medium({"name": name, **properties})
+
+    def set_medium(self, medium, name="", **properties):
+        """Puts another medium in the place of one."""
+        self._set_medium(medium, {"name": name, **properties})
 
     def add_texture(self, source, *, name=None, colorspace="srgb", wrap="repeat", filter="linear"):
         """The number of a new texture. `source` is a file, or an array (height, width) or (height, width, 1 to 4), upper row first: bytes
@@ -329,6 +351,13 @@ def load(source):
     scene._take(found)
     _warn(scene._progress())
     return scene
+
+
+def read_volume(path, names=None):
+    """The grids of a file of OpenVDB by their names, or those of some names: an array (x, y, z), or (x, y, z, 3), with the active voxels and a rim around them, and the
+    matrix from the unit cube, which the array fills, to the world. `Scene.add_medium` takes both. Grids without active voxels are left out.
+    """
+    return _read_volume(os.fspath(path), names)
 
 
 def _texture(source, name, colorspace, wrap, filter):

@@ -28,6 +28,13 @@ const WORDS: [(&str, &str); 15] = [
     ("emission", "C[LO]"),
 ];
 const ENVIRONMENT: (&str, &str) = ("environment", "CB");
+/// Words for colours of scattering at visible surfaces: light 1 from all sides, W, without shadows. In the order of
+/// `Bsdf::albedo_parts`; with the expressions of the same scattering of the environment's light.
+const COLORS: [(&str, &str, &str); 3] = [
+    ("diffuse_color", "C<RD>W", "C<RD>B"),
+    ("glossy_color", "C<R[GS]>W", "C<R[GS]>B"),
+    ("transmission_color", "CTW", "CTB"),
+];
 
 /// What layers of light groups are called: this, and the group.
 pub const GROUP_PREFIX: &str = "light.";
@@ -56,14 +63,26 @@ impl LightLayer {
 
     /// Words for layers, such as `direct`.
     pub fn words() -> impl Iterator<Item = &'static str> {
-        WORDS.iter().chain([&ENVIRONMENT]).map(|(word, _)| *word)
+        let of_colors = COLORS.iter().map(|(word, ..)| *word);
+        WORDS.iter().chain([&ENVIRONMENT]).map(|(word, _)| *word).chain(of_colors)
+    }
+
+    /// The part of [`albedo_parts`](gnurt_shading::bsdf::Bsdf::albedo_parts) that it shows in place of light.
+    pub(crate) fn color(&self) -> Option<usize> {
+        COLORS.iter().position(|(_, expression, _)| *expression == self.expression)
+    }
+
+    /// The expression of paths, also of a colour, whose light is replaced.
+    pub(super) fn of_paths(&self) -> &str {
+        self.color().map_or(&self.expression[..], |part| COLORS[part].2)
     }
 
     /// The layer of a word.
     #[must_use]
     pub fn of_word(word: &str) -> Option<Self> {
-        let found = WORDS.iter().chain([&ENVIRONMENT]).find(|(known, _)| *known == word);
-        found.map(|&(name, expression)| Self { name: name.into(), expression: expression.into() })
+        let of_colors = COLORS.iter().map(|(word, expression, _)| (*word, *expression));
+        let mut all = WORDS.iter().chain([&ENVIRONMENT]).copied().chain(of_colors);
+        all.find(|(known, _)| *known == word).map(|(name, expression)| Self { name: name.into(), expression: expression.into() })
     }
 
     /// All light of a light group; of a light, if it has this name.
@@ -89,7 +108,7 @@ impl LightLayer {
 pub(crate) fn labels_of(layers: &[LightLayer]) -> Result<Vec<String>, ExpressionError> {
     let mut labels = Vec::new();
     for layer in layers {
-        labels_in(&parse(&layer.expression)?, &mut labels);
+        labels_in(&parse(layer.of_paths())?, &mut labels);
     }
     labels.sort_unstable();
     labels.dedup();
@@ -106,7 +125,7 @@ pub(crate) fn check(layers: &[LightLayer]) -> Result<(), ExpressionError> {
     if layers.len() > MOST_LAYERS {
         return Err(fault(format!("{} layers of light; at most {MOST_LAYERS}", layers.len())));
     }
-    let expressions: Vec<&str> = layers.iter().map(|layer| &layer.expression[..]).collect();
+    let expressions: Vec<&str> = layers.iter().map(LightLayer::of_paths).collect();
     Automaton::new(&expressions, &Alphabet::new(labels, vec![0], vec![0])).map(drop)
 }
 
