@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from . import cameras, hashes, images, meshes, strands, volumes
+from . import cameras, hashes, images, meshes, motion, strands, volumes
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
@@ -28,6 +28,7 @@ class Surroundings:
         self.export, self.material, self.object, self.mesh, self.slot = export, material, lit_object, mesh, slot
         self.warn = export.warn
         self.holdout = False
+        self.masks = export.masks
         self.random_id = 0
 
     @property
@@ -103,22 +104,30 @@ class Surroundings:
 class Export:
     """A scene of the package in the making. `overrides` replaces materials: a function of an object that returns shader text or None."""
 
-    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None):
+    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None, shapes=None, masks=False):
         self.depsgraph, self.size = depsgraph, size
         self.scene_data, self.view_layer = depsgraph.scene, depsgraph.view_layer
         self.warn = warned or Warned()
-        self.override = override
+        # In a mask only Holdout nodes shine.
+        self.override, self.masks, self.holds = override, masks, False
         self.scene = recorder or Recorder()
         self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
         # By instances of the package: the object and material that they show, for passes.
         self.objects, self.material_indices, self.reads_uv = {}, {}, {}
         # By the object and the path of an instance: the numbers in the package's scene.
         self.numbers = {}
+        # Shapes at moments of the shutter by object and instance, and instances whose meshes have such.
+        self.shapes, self.bent = shapes or {}, []
         # Numbers of points and spots, which go over together.
         self.points = []
         self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
         self.has_media = volumes.has_media(depsgraph)
         self.view = view or cameras.of_scene(self.scene_data, camera, size, self.warn)
+
+    @property
+    def is_dark(self):
+        """Whether only surfaces shine."""
+        return self.override is not None or self.masks
 
     def put_all(self, cancelled=lambda: False):
         for instance in self.depsgraph.object_instances:
@@ -126,7 +135,7 @@ class Export:
                 return False
             found = instance.object
             if found.type == "LIGHT":
-                if self.override is None:
+                if not self.is_dark:
                     Lamp(self, found, instance.matrix_world, found.data).put()
                 continue
             self.put(instance, found)
@@ -167,7 +176,7 @@ class Export:
         return rays + (["other"] if any(others) else [])
 
     def lamp_shows(self, found):
-        return found.visible_camera and self.override is None
+        return found.visible_camera and not self.is_dark
 
     def key_of(self, instance, found):
         """What tells instances apart that a shader sees as different."""
@@ -198,7 +207,7 @@ class Export:
 
     def volume(self, found, matrix):
         """Shows a volume object at a place."""
-        if self.override is not None:
+        if self.is_dark:
             return
         material = found.material_slots[0].material if found.material_slots else None
         tree = getattr(material, "node_tree", None)
@@ -248,7 +257,13 @@ class Export:
                 made[known] = np.ascontiguousarray(values)
         if made:
             properties["attributes"] = made
-        return self.scene.add_mesh(arrays.vertices, arrays.faces, **properties), uses_object
+        bent = motion.moments(self.shapes.get(self.key_of(instance, found), ()), arrays)
+        if bent:
+            properties["moments"] = bent
+        number = self.scene.add_mesh(arrays.vertices, arrays.faces, **properties)
+        if bent:
+            self.bent.append(number)
+        return number, uses_object
 
     def particle_hair(self, instance, found):
         """Hair of particle systems, which belongs to an emitter."""
@@ -312,12 +327,13 @@ class Export:
         if output is not None:
             if output.inputs["Displacement"].is_linked and material.displacement_method != "DISPLACEMENT_":
                 bump_of_displacement(code, tree, output, material)
-            medium = volumes.of_body(self, code, tree, output, found) if mesh is not None else None
+            medium = volumes.of_body(self, code, tree, output, found) if mesh is not None and not self.masks else None
             surface = compile_tree(code, tree, output.inputs["Surface"])
             result = [f"Ci = {surface};"] if surface else []
         text = NOTHING if is_volume_alone(material) else code.text("blender_material", result or ["Ci = 0;"])
         number = self.shader(text, material.name, code.textures, material.pass_index, medium)
         self.material_indices[number] = material.pass_index
+        self.holds |= host.holdout
         made = (number, code.attributes, code.uses_object)
         if not code.uses_object:
             self.materials[key] = made
@@ -365,7 +381,7 @@ class Export:
 
     def world(self):
         world = self.scene_data.world
-        if world is None or self.override is not None:
+        if world is None or self.is_dark:
             self.scene.add_light("environment", radiance=0)
             return
         tree = getattr(world, "node_tree", None)

@@ -895,3 +895,43 @@ def lamps_and_smoke():
     light("AREA", (0, -4, 3), 100, size=1, spread=math.radians(70))
     shape("cube", (0, 0, 0.8), filled("smoke", "ShaderNodeVolumeScatter", Color=0.8, Density=0.8, Anisotropy=0.3), size=1.4)
     bpy.context.scene["means only"] = True
+
+
+@scene
+def bending():
+    """Vertices that move while the shutter is open: by shape keys, and by a modifier."""
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    settings = bpy.context.scene.render
+    settings.use_motion_blur, settings.motion_blur_shutter = True, 1.0
+    cube = bpy.data.objects["Cube"]
+    cube.shape_key_add(name="Basis")
+    key = cube.shape_key_add(name="long")
+    for point in key.data:
+        point.co.z += 1.5 if point.co.z > 0 else 0.0
+    for frame, value in ((0, 0.0), (2, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    ball = bpy.data.objects["Sphere"]
+    bend = ball.modifiers.new("wave", "SIMPLE_DEFORM")
+    bend.deform_method = "STRETCH"
+    for frame, value in ((0, -0.4), (2, 1.0)):
+        bend.factor = value
+        bend.keyframe_insert("factor", frame=frame)
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def holdout_nodes():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    bpy.context.scene.render.film_transparent = True
+    made = material("hole", "ShaderNodeBsdfDiffuse", Color=(0.7, 0.3, 0.2))
+    tree, output, shader = nodes_of(made)
+    mix, hole = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeHoldout")
+    mix.inputs[0].default_value = 0.7
+    tree.links.new(shader.outputs[0], mix.inputs[1])
+    tree.links.new(hole.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    bpy.data.objects["Cube"].data.materials[0] = made
