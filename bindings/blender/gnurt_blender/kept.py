@@ -163,6 +163,15 @@ class Recorder:
             self.scene.set_light_shader(number, shader, parameters=parameters)
         return self._put("light shader", number, key)
 
+    def set(self, change):
+        key = digest(change)
+        number, (same,) = self._next("set", key)
+        if number is None:
+            self.scene.set(change)
+        elif not same:
+            raise Rebuild
+        self._put("set", 0, key)
+
     def render(self, *arguments, **options):
         return self.scene.render(*arguments, **options)
 

@@ -9,6 +9,8 @@ import math
 
 import numpy as np
 
+from . import links
+
 # Points and spots in one light of the language; it chooses one of them for each sample.
 MOST_TOGETHER = 48
 # Narrow areas that are sampled one by one.
@@ -180,6 +182,8 @@ class Lamp:
         self.scale = np.linalg.norm(self.matrix[:3, :3], axis=0)
         self.turn = self.matrix[:3, :3] / np.maximum(self.scale, 1e-20)
         self.color = self._color()
+        # Lights of the language light neither media nor some objects alone.
+        self.is_shape = export.has_media or links.are_there(lamp_object)
 
     def _color(self):
         data = self.data
@@ -207,8 +211,7 @@ class Lamp:
         where = self.matrix[:3, 3]
         normalize = getattr(data, "normalize", True)
         is_soft = getattr(data, "use_soft_falloff", True)
-        # Lights of the language do not light media.
-        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft) and not self.export.has_media
+        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft) and not self.is_shape
         if is_sampled:
             power = self.color / (4 * math.pi)
             if not normalize:
@@ -233,7 +236,7 @@ class Lamp:
             self.export.warn(f"light '{self.object.name}': nodes of suns are not shown")
         if radius > 0 and not getattr(self.data, "normalize", True):
             color = color * math.pi * radius * radius
-        if self.export.has_media:
+        if self.is_shape:
             self.disc(color, radius)
             return
         parameters = {"power": tuple(color), "from": tuple(self.turn[:, 2]), "side": tuple(self.turn[:, 0]), "across": tuple(self.turn[:, 1]), "radius": radius}
@@ -241,9 +244,10 @@ class Lamp:
 
     def disc(self, color, radius):
         """A sun that media see: a disc far away, or parallel light."""
-        if radius < 1e-4:
+        if radius < 1e-4 and not links.are_there(self.object):
             self.export.scene.add_light("directional", direction=tuple(-self.turn[:, 2]), irradiance=tuple(color))
             return
+        radius = max(radius, 1e-4)
         points, faces, _ = flat_shape("ELLIPSE", 2 * FAR * math.tan(math.asin(radius)), 2 * FAR * math.tan(math.asin(radius)))
         points = points @ self.turn.T + FAR * self.turn[:, 2]
         self.shape(points, faces, color / (math.pi * radius * radius), {}, given=["other"])
@@ -263,7 +267,7 @@ class Lamp:
         if half < math.pi / 2 - 1e-4:
             half = max(half, math.radians(0.5))
             parameters = {"spread": math.tan(half), "spread_scale": 1 / (math.tan(half) - half)}
-        is_narrow = bool(parameters) and half < math.radians(50) and not self.has_nodes() and self.export.lamps <= MOST_SAMPLED and not self.export.has_media
+        is_narrow = bool(parameters) and half < math.radians(50) and not self.has_nodes() and self.export.lamps <= MOST_SAMPLED and not self.is_shape
         if is_narrow:
             place = {"where": tuple(self.matrix[:3, 3]), "side": tuple(self.turn[:, 0]), "up": tuple(self.turn[:, 1]), "axis": tuple(-self.turn[:, 2])}
             place |= {"wide": max(size, 1e-6), "high": max(size_y, 1e-6), "is_round": int(shape == "ELLIPSE")}

@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from . import cameras, hashes, images, meshes, motion, strands, volumes
+from . import cameras, hashes, images, links, meshes, motion, strands, volumes
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
@@ -112,6 +112,8 @@ class Export:
         self.override, self.masks, self.holds = override, masks, False
         self.scene = recorder or Recorder()
         self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
+        # Pictures by their numbers in the package.
+        self.pictures = {}
         # By instances of the package: the object and material that they show, for passes.
         self.objects, self.material_indices, self.reads_uv = {}, {}, {}
         # By the object and the path of an instance: the numbers in the package's scene.
@@ -121,6 +123,8 @@ class Export:
         # Numbers of points and spots, which go over together.
         self.points = []
         self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
+        # Objects that are lights for some objects only.
+        self.linked = [] if self.is_dark else [found for found in depsgraph.objects if links.are_there(found)]
         self.has_media = volumes.has_media(depsgraph)
         self.view = view or cameras.of_scene(self.scene_data, camera, size, self.warn)
 
@@ -141,6 +145,7 @@ class Export:
             self.put(instance, found)
         put_points(self.scene, self.points)
         self.world()
+        links.put(self)
         self.scene.end()
         return True
 
@@ -187,7 +192,7 @@ class Export:
         """Adds the mesh of an object, or another place of it."""
         slots = [slot.material for slot in found.material_slots] or [None]
         key = (found.type, found.data.as_pointer() if found.data else 0, tuple(m.as_pointer() if m else 0 for m in slots))
-        if found.type not in {"MESH", "CURVES", "POINTCLOUD"}:
+        if found.type not in {"MESH", "CURVES", "POINTCLOUD"} or self.linked:
             key = (*key, found.name)
         own = self.shown.get(key)
         if own is None and key not in self.shown:
@@ -327,7 +332,7 @@ class Export:
         if output is not None:
             if output.inputs["Displacement"].is_linked and material.displacement_method != "DISPLACEMENT_":
                 bump_of_displacement(code, tree, output, material)
-            medium = volumes.of_body(self, code, tree, output, found) if mesh is not None and not self.masks else None
+            medium = volumes.of_body(self, code, tree, output, found, np.array(instance.matrix_world)) if mesh is not None and not self.masks else None
             surface = compile_tree(code, tree, output.inputs["Surface"])
             result = [f"Ci = {surface};"] if surface else []
         text = NOTHING if is_volume_alone(material) else code.text("blender_material", result or ["Ci = 0;"])
@@ -358,6 +363,7 @@ class Export:
             if found is not None:
                 values, space = found
                 number = self.scene.add_texture(values, name=image.name, colorspace="linear")
+                self.pictures[number] = values
                 number = (number, space == "coded", tuple(image.size))
             self.images[image.name_full] = number
         return self.images[image.name_full]

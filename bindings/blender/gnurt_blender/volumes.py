@@ -12,6 +12,7 @@ import bpy
 import gnurt
 import numpy as np
 
+from .baking import Box
 from .nodes.media import Part, Reader
 from .nodes.tree import source
 
@@ -85,14 +86,46 @@ def joined(weighted, warn):
     return (first, second, share)
 
 
-def of_body(export, code, tree, output, found):
+def of_body(export, code, tree, output, found, matrix):
     """The number of the medium within an object's mesh, or None."""
-    parts = Reader(code).parts(tree, output.inputs["Volume"])
+    if not is_fed(tree, output.inputs["Volume"]):
+        return None
+    box = Box(code.host.mesh, matrix) if isinstance(code.host.mesh, bpy.types.Mesh) and len(code.host.mesh.vertices) else None
+    bake = box and (lambda place, identifier: box.sampled(code.host, place, identifier))
+    parts = Reader(code, bake=bake).parts(tree, output.inputs["Volume"])
     if not parts:
         return None
+    name = code.host.material.name
+    if any(x.ndim == 4 for part in parts for x in part.coefficients):
+        # The cells are where this object is.
+        code.uses_object = True
+        return export.scene.add_medium(name, **in_cells(parts, box, code.warn, name), extent="bodies", adds=True)
     size = np.linalg.norm(np.array(found.dimensions)) if found is not None else 1.0
     even = Even(parts, code.warn)
-    return export.scene.add_medium(code.host.material.name, **even.properties(EVEN_LOSS / max(size, 1e-6)), adds=True)
+    return export.scene.add_medium(name, **even.properties(EVEN_LOSS / max(size, 1e-6)), adds=True)
+
+
+def in_cells(parts, box, warn, name):
+    """Arguments of one medium of coefficients that vary in the cells of a box."""
+    zero = np.zeros((*box.cells, 3))
+    absorption, scattering, light = (sum((part.coefficients[k] for part in parts), zero) for k in range(3))
+    place = box.world_from_unit()
+    both = np.concatenate([absorption, scattering], axis=-1)
+    shines = light.max(axis=-1) > 0
+    loss = CELL_LOSS / max(np.linalg.norm(place[:3, :3], axis=0).max(), 1e-12)
+    density = both.max(axis=-1)
+    density = np.where(shines, np.maximum(density, loss), density)
+    only_shines = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    color = both.reshape(-1, 6).sum(axis=0) / density.sum() if both.any() else only_shines
+    if both.any() and np.abs(both - density[..., None] * color).max() > SAME * density.max() + loss:
+        warn(f"material '{name}': colours that vary within a volume are shown as their mean")
+    made = {"scattering": tuple(color[3:].tolist()), "density": density.astype(np.float32), "transform": place}
+    if shines.any():
+        color[:3] = np.maximum(color[:3], 1e-2)
+        glow = light / np.maximum(density[..., None] * color[:3], 1e-30)
+        made |= {"emission": glow.max(), "emission_grid": (glow / glow.max()).astype(np.float32)}
+    made["absorption"] = tuple(color[:3].tolist())
+    return made | phase(joined([(part.coefficients[1].mean(), part.lobes) for part in parts], warn))
 
 
 def of_world(export, code, tree, output):

@@ -935,3 +935,43 @@ def holdout_nodes():
     tree.links.new(hole.outputs[0], mix.inputs[2])
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
     bpy.data.objects["Cube"].data.materials[0] = made
+
+
+@scene
+def volume_textures():
+    """Textures in the volumes of meshes: by generated coordinates, and by those of a turned object."""
+    cloud = filled("cloud", "ShaderNodeVolumeScatter", Color=(0.9, 0.8, 0.7), Anisotropy=0.2)
+    ramped = filled("ramped", "ShaderNodeVolumePrincipled", Color=(0.4, 0.5, 0.8))
+    glowing = filled("glowing", "ShaderNodeEmission", Color=(1, 0.5, 0.2))
+    for made, name, texture, scale in ((cloud, "Density", "ShaderNodeTexNoise", 4), (ramped, "Density", "ShaderNodeTexGradient", 3), (glowing, "Strength", "ShaderNodeTexChecker", 1)):
+        tree = made.node_tree
+        node = next(n for n in tree.nodes if n.type in {"VOLUME_SCATTER", "PRINCIPLED_VOLUME", "EMISSION"})
+        source, more = tree.nodes.new(texture), tree.nodes.new("ShaderNodeMath")
+        more.operation, more.inputs[1].default_value = "MULTIPLY", scale
+        if texture == "ShaderNodeTexGradient":
+            where = tree.nodes.new("ShaderNodeTexCoord")
+            tree.links.new(where.outputs["Object"], source.inputs["Vector"])
+        tree.links.new(source.outputs["Factor" if "Factor" in source.outputs else "Fac"], more.inputs[0])
+        tree.links.new(more.outputs[0], node.inputs[name])
+    bodies(cloud, ramped, glowing)
+    bpy.data.objects["Cube.001"].rotation_euler = (0.3, 0.4, 0.5)
+
+
+def collection(name, *objects):
+    made = bpy.data.collections.new(name)
+    for each in objects:
+        made.objects.link(each)
+    return made
+
+
+@scene
+def light_links():
+    stage()
+    light("SUN", (3, -4, 6), 0.5, angle=0.05)
+    cube, ball, ring, ground = (bpy.data.objects[name] for name in ("Cube", "Sphere", "Torus", "Plane"))
+    only = light("POINT", (-2, -2, 3), 200, shadow_soft_size=0.2, color=(1, 0.5, 0.3))
+    only.light_linking.receiver_collection = collection("lit", cube, ground)
+    without = light("AREA", (2, -4, 5), 300, size=1, color=(0.4, 0.6, 1))
+    without.light_linking.receiver_collection = collection("unlit", ball)
+    without.light_linking.receiver_collection.collection_objects[0].light_linking.link_state = "EXCLUDE"
+    without.light_linking.blocker_collection = collection("shadows", ring)

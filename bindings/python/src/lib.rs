@@ -16,6 +16,7 @@ mod lights;
 mod materials;
 mod media;
 mod meshes;
+mod moments;
 mod picture;
 mod pixels;
 mod pool;

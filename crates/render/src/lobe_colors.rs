@@ -35,15 +35,16 @@ pub(crate) fn fill(
     camera: HitLanes,
     light: &mut [Vec3s],
 ) {
-    let wanted: Vec<(usize, usize)> =
+    let wanted: Vec<(usize, [bool; 4])> =
         layers.iter().enumerate().filter_map(|(layer, of)| Some((layer, of.color()?))).collect();
     if wanted.is_empty() {
         return;
     }
     wanted.iter().for_each(|&(layer, _)| light[layer].reset(camera.keys.len(), Vec3::ZERO));
-    let mut add = |lane: usize, share: f32, parts: [Vec3; 3]| {
-        for &(layer, part) in &wanted {
-            light[layer].add(lane, parts[part] * share);
+    let mut add = |lane: usize, share: f32, parts: [Vec3; 4]| {
+        for (layer, counts) in &wanted {
+            let color: Vec3 = parts.iter().zip(counts).filter(|(_, counts)| **counts).map(|(part, _)| *part).sum();
+            light[*layer].add(lane, color * share);
         }
     };
     let mut rest = gather(tracer, camera, |lane| (lane, 1.0), &mut add);
@@ -66,7 +67,7 @@ fn gather(
     tracer: &mut BatchTracer,
     from: HitLanes,
     of: impl Fn(usize) -> (usize, f32),
-    add: &mut impl FnMut(usize, f32, [Vec3; 3]),
+    add: &mut impl FnMut(usize, f32, [Vec3; 4]),
 ) -> Rest {
     let (mut rest, mut closures) = (Rest::default(), ClosureBatch::default());
     tracer.for_each_surface(from, AttributeRequests::Light, |_, shader, lanes, points| {

@@ -135,12 +135,15 @@ class Scene(_Scene):
         face_materials=None,
         transform=None,
         rays=None,
+        moments=None,
     ):
         """The number of a new mesh, put in its place. Takes meshes of trimesh and of Open3D, too: shapes and vertex colours.
 
         normals, texcoords, tangents, colors and the arrays in attributes={name: array} have a row for each vertex, (n, width), or for each
         corner, (m, 3, width); those in face_attributes have one for each triangle. material is a number, or several, of which
         face_materials (m,) gives each triangle one. rays lists the kinds that see it: "camera", "shadow", "other". transform, name.
+
+        moments={"vertices": arrays, "normals": arrays} are its shapes at times evenly spaced while the shutter is open, for motion={"meshes": ...}.
         """
         given = {
             "name": name,
@@ -155,7 +158,7 @@ class Scene(_Scene):
             "transform": transform,
             "rays": rays,
         }
-        return self._add_mesh(_mesh(vertices, faces, given))
+        return self._add_mesh(_mesh(vertices, faces, given, moments))
 
     def add_curves(
         self,
@@ -239,6 +242,7 @@ class Scene(_Scene):
         face_attributes=None,
         material=None,
         face_materials=None,
+        moments=None,
     ):
         """Replaces the mesh of an instance, and so of all its instances. Arguments as of `add_mesh`, without
         transform and rays, which `update` changes."""
@@ -253,7 +257,7 @@ class Scene(_Scene):
             "material": material,
             "face_materials": face_materials,
         }
-        self._set_mesh(instance, _mesh(vertices, faces, given))
+        self._set_mesh(instance, _mesh(vertices, faces, given, moments))
 
     def add_instance(self, instance, transform):
         """The number of a new instance of the mesh of `instance`."""
@@ -312,7 +316,8 @@ class Scene(_Scene):
         light_groups=True adds a layer for each light group, which `Picture.relight` mixes.
         camera_shader=FILE or source text in the shading language, with camera_parameters={name: value}, makes the rays where the
         camera stands; pixel_shader and pixel_parameters compute pixels.
-        motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at times evenly spaced.
+        motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at times evenly spaced;
+        "meshes": [number, ...] moves the vertices of instances whose meshes have moments.
         `progress` is True, or called with the share that is done."""
         begun = time.monotonic()
         with _told(progress) as tell:
@@ -364,8 +369,11 @@ def _texture(source, name, colorspace, wrap, filter):
     return {"source": source, "name": name, "colorspace": colorspace, "wrap": wrap, "filter": filter}
 
 
-def _mesh(vertices, faces, properties):
-    """Arguments of a mesh, others' meshes taken apart."""
+def _mesh(vertices, faces, properties, moments=None):
+    """Arguments of a mesh, others' meshes taken apart; shapes at moments are attributes of it."""
+    if moments:
+        keys = {f"gnurt:{name}:{k}": array for name in ("vertices", "normals") for k, array in enumerate(moments.get(name) or ())}
+        properties = {**properties, "attributes": {**(properties.get("attributes") or {}), **keys}}
     if faces is None:
         vertices, faces, found = _arrays(vertices)
         if properties.get("colors") is None:

@@ -85,6 +85,7 @@ class Scene:
         face_materials: ArrayLike | None = None,
         transform: ArrayLike | None = None,
         rays: Sequence[str] | None = None,
+        moments: Mapping[str, Sequence[ArrayLike]] | None = None,
     ) -> int: ...
     def add_curves(
         self,
@@ -131,6 +132,7 @@ class Scene:
         face_attributes: Mapping[str, ArrayLike] | None = None,
         material: int | Sequence[int] | None = None,
         face_materials: ArrayLike | None = None,
+        moments: Mapping[str, Sequence[ArrayLike]] | None = None,
     ) -> None: ...
     def add_instance(self, instance: int, transform: ArrayLike) -> int: ...
     def update(
