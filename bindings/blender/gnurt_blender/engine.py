@@ -10,8 +10,9 @@ import traceback
 
 import bpy
 
-from . import holdouts, kept, motion, passes
+from . import holdouts, kept, light_passes, motion, passes, seen_passes
 from .scene import Export
+from .speeds import Speeds
 from .warned import Warned
 
 # Seconds between two pictures on the screen.
@@ -58,24 +59,29 @@ class GnurtEngine(bpy.types.RenderEngine):
             raise ValueError("the scene has no camera")
         self.update_stats("", "Reading the scene")
         ways = motion.Ways(self, depsgraph, camera, size, warned) if scene.render.use_motion_blur else None
+        wanted = passes.wanted(layer, warned)
+        if scene.gnurt.integrator != "path":
+            for name in [name for name in wanted if name in light_passes.BY_NAME]:
+                warned(f"view layer '{layer.name}': the pass {name} needs the path integrator")
+                del wanted[name]
+        speeds = Speeds(self, depsgraph, camera, size, warned) if "Vector" in wanted else None
         camera_now = camera.evaluated_get(depsgraph)
 
         def made(recorder):
-            export = Export(depsgraph, size, camera_now, warned=warned, recorder=recorder)
+            export = Export(depsgraph, size, camera_now, warned=warned, recorder=recorder, shapes=ways and ways.shapes)
             return export if export.put_all(self.is_stopped) else None
 
         export = kept.exported((scene.name, layer.name), made, scene.render.use_persistent_data)
         if export is None:
             return
-        masks = holdouts.of(export, depsgraph)
-        wanted = passes.wanted(layer, warned)
+        has_holdouts = holdouts.are_there(export, depsgraph)
         if scene.render.use_multiview:
             warned("stereo views are rendered from one camera")
-        options = self.options(scene, layer, size, export, wanted, masks)
+        options = self.options(scene, layer, size, export, wanted, has_holdouts)
         if ways:
             options |= ways.options(export)
-        share = holdouts.rendered(masks, options) if masks else None
-        uv = passes.coordinates(export, options) if "UV" in wanted else None
+        share = holdouts.Shares(export, depsgraph, options) if has_holdouts else None
+        others = {name: made(export, options) for name, made in seen_passes.SEEN.items() if name in wanted}
         region = options.get("crop")
         x0, y0, x1, y1 = region or (0, 0, *size)
         box = slice(y0, y1), slice(x0, x1)
@@ -85,7 +91,7 @@ class GnurtEngine(bpy.types.RenderEngine):
             picture = self.grow(export, options, lambda done: self.show(result, done, scene, export, {}, share, box))
             if scene.gnurt.denoise:
                 picture = picture.denoise()
-            self.show(result, picture, scene, export, wanted, share, box, uv)
+            self.show(result, picture, scene, export, wanted, share, box, others, speeds)
         except Cancelled:
             # The samples so far stay.
             if self.so_far is not None:
@@ -97,16 +103,16 @@ class GnurtEngine(bpy.types.RenderEngine):
             self.get_result().stamp_data_add_field(field, value)
         self.tell(scene, warned)
 
-    def options(self, scene, layer, size, export, wanted, masks):
+    def options(self, scene, layer, size, export, wanted, has_holdouts):
         """Options of `Scene.render`."""
         settings = scene.gnurt
-        transparent = scene.render.film_transparent or bool(masks)
+        transparent = scene.render.film_transparent or has_holdouts
         options = {"width": size[0], "height": size[1], "spp": settings.samples, "integrator": settings.integrator}
         options |= {"max_depth": settings.max_depth, "seed": settings.seed, "threads": settings.threads, "filter": "blackman-harris"}
         options["layers"] = bool(wanted) or transparent or settings.denoise
-        found = passes.mattes(layer)
-        if found:
-            options |= {"layers": ["all", *(word for word, _ in found)], "crypto_depth": passes.matte_depth(layer)}
+        found, light = passes.mattes(layer), light_passes.layers(wanted)
+        if found or light:
+            options |= {"layers": ["all", *(word for word, _ in found), *light], "crypto_depth": passes.matte_depth(layer)}
         if settings.clamp > 0:
             options["clamp"] = settings.clamp
         if settings.noise > 0:
@@ -147,15 +153,18 @@ class GnurtEngine(bpy.types.RenderEngine):
     def is_quiet():
         return bpy.app.background
 
-    def show(self, result, picture, scene, export, wanted, share, box, uv=None):
-        """Puts a picture into the result on the screen."""
+    def show(self, result, picture, scene, export, wanted, share, box, others=None, speeds=None):
+        """Puts a picture into the result on the screen; `others` are passes that are there already."""
         layer = result.layers[0]
         color = passes.combined(picture, scene.render.film_transparent)
         if share is not None:
             color = holdouts.cut(color, share)
         passes.write(layer, "Combined", color[box])
+        others = others or {}
+        if speeds:
+            others["Vector"] = speeds.of_picture(picture, export)
         for name, entry in wanted.items():
-            if not passes.write(layer, name, passes.of_picture(picture, entry, export, uv)[box]):
+            if not passes.write(layer, name, passes.of_picture(picture, entry, export, others)[box]):
                 export.warn(f"view layer '{layer.name}': the pass {name} is not rendered")
         if not wanted:
             self.update_result(result)

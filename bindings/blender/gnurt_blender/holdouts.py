@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Holdouts: objects that cut a hole into the picture.
 
-A second rendering of the same view, in which they shine and all else is black, is their share of each pixel.
+A second rendering of the same view, in which they shine and all else is black, is their share of each pixel. Holdout nodes, which are
+black, take a share of the opacity alone.
 """
 
 import numpy as np
@@ -10,12 +11,40 @@ MASK = "surface blender_holdout () { Ci = emission(); }"
 BLACK = "surface blender_nothing () { Ci = 0; }"
 
 
-def of(export, depsgraph):
-    """The scene of the mask, or None if there are no holdouts."""
+class Shares:
+    """Shares of the pixels that holdouts have: of objects, and of Holdout nodes; None where there are none."""
+
+    def __init__(self, export, depsgraph, options):
+        objects = of_objects(export, depsgraph)
+        nodes = of_nodes(export) if export.holds else None
+        self.objects, self.nodes = (mask and light_of(mask, options)[..., 0] for mask in (objects, nodes))
+
+
+def are_there(export, depsgraph):
+    """Whether a scene has holdouts."""
+    return export.holds or bool(held_by(export, depsgraph))
+
+
+def held_by(export, depsgraph):
+    """Names of the objects that are holdouts."""
+    held = {found.name for found, *_ in export.objects.values() if found.is_holdout}
+    return held | set(collections(depsgraph.view_layer.layer_collection))
+
+
+def of_nodes(export):
+    """The scene of the mask of Holdout nodes."""
     from .scene import Export
 
-    held = {found.name for found, *_ in export.objects.values() if found.is_holdout}
-    held |= set(collections(depsgraph.view_layer.layer_collection))
+    other = Export(export.depsgraph, export.size, view=export.view, warned=export.warn, masks=True)
+    other.put_all()
+    return other
+
+
+def of_objects(export, depsgraph):
+    """The scene of the mask of objects, or None if there are no such holdouts."""
+    from .scene import Export
+
+    held = held_by(export, depsgraph)
     if not held:
         return None
     other = Export(depsgraph, export.size, view=export.view, warned=export.warn, override=lambda found: MASK if found.name in held else BLACK)
@@ -32,29 +61,26 @@ def collections(layer, inside=False):
         yield from collections(child, inside)
 
 
-def rendered_as(export, shader_of, options):
+def rendered_as(export, shader_of, options, max_depth=1):
     """What the camera sees where objects have these shaders, (height, width, 3)."""
     from .scene import Export
 
     other = Export(export.depsgraph, export.size, view=export.view, warned=export.warn, override=shader_of)
     other.put_all()
-    return light_of(other, options)[..., :3]
+    return light_of(other, options, max_depth)[..., :3]
 
 
-def rendered(masks, options):
-    """The share of holdouts, (height, width)."""
-    return light_of(masks, options)[..., 0]
-
-
-def light_of(other, options):
+def light_of(other, options, max_depth=1):
     kept = {name: options[name] for name in ("width", "height", "spp", "seed", "threads", "filter", "camera", "camera_shader", "camera_parameters", "motion", "crop") if name in options}
-    return np.asarray(other.scene.render(integrator="path", max_depth=1, **kept))
+    return np.asarray(other.scene.render(integrator="path", max_depth=max_depth, **kept))
 
 
-def cut(color, share):
+def cut(color, shares):
     """The picture without the holdouts."""
-    kept = 1.0 - np.clip(share, 0.0, 1.0)[..., None]
-    # What holdouts show of themselves is in the colour, too: it leaves with their share.
     color = color.copy()
-    color *= kept
+    if shares.objects is not None:
+        # What holdouts show of themselves is in the colour, too: it leaves with their share.
+        color *= 1.0 - np.clip(shares.objects, 0.0, 1.0)[..., None]
+    if shares.nodes is not None:
+        color[..., 3] *= 1.0 - np.clip(shares.nodes, 0.0, 1.0)
     return color

@@ -76,6 +76,15 @@ class Recorder:
             self.scene.set_material(number, name, **properties)
         return self._put("material", number, key)
 
+    def add_medium(self, name="", **properties):
+        key = digest(properties)
+        number, (same,) = self._next("medium", key)
+        if number is None:
+            number = self.scene.add_medium(name, **properties)
+        elif not same:
+            self.scene.set_medium(number, name, **properties)
+        return self._put("medium", number, key)
+
     def add_texture(self, source, **properties):
         key = digest(source, properties)
         number, (same,) = self._next("texture", key)
@@ -153,6 +162,15 @@ class Recorder:
         elif not same:
             self.scene.set_light_shader(number, shader, parameters=parameters)
         return self._put("light shader", number, key)
+
+    def set(self, change):
+        key = digest(change)
+        number, (same,) = self._next("set", key)
+        if number is None:
+            self.scene.set(change)
+        elif not same:
+            raise Rebuild
+        self._put("set", 0, key)
 
     def render(self, *arguments, **options):
         return self.scene.render(*arguments, **options)

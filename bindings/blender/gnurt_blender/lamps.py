@@ -9,10 +9,14 @@ import math
 
 import numpy as np
 
+from . import links
+
 # Points and spots in one light of the language; it chooses one of them for each sample.
 MOST_TOGETHER = 48
 # Narrow areas that are sampled one by one.
 MOST_SAMPLED = 16
+# Of a sun from the origin where media see it, world units.
+FAR = 1e5
 
 POINT = """
 light blender_points (float given[TOTAL] = {0})
@@ -178,6 +182,8 @@ class Lamp:
         self.scale = np.linalg.norm(self.matrix[:3, :3], axis=0)
         self.turn = self.matrix[:3, :3] / np.maximum(self.scale, 1e-20)
         self.color = self._color()
+        # Lights of the language light neither media nor some objects alone.
+        self.is_shape = export.has_media or links.are_there(lamp_object)
 
     def _color(self):
         data = self.data
@@ -205,8 +211,7 @@ class Lamp:
         where = self.matrix[:3, 3]
         normalize = getattr(data, "normalize", True)
         is_soft = getattr(data, "use_soft_falloff", True)
-        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft)
-        area = 4 * math.pi * radius * radius
+        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft) and not self.is_shape
         if is_sampled:
             power = self.color / (4 * math.pi)
             if not normalize:
@@ -217,8 +222,11 @@ class Lamp:
             if radius <= 0:
                 return
         radius = max(radius, 1e-3)
+        area = 4 * math.pi * radius * radius
         points, faces = icosphere()
         light = self.color / (math.pi * area) if normalize else self.color / math.pi
+        if data.shadow_soft_size <= 0 and not normalize:
+            light = self.color / (math.pi * radius) ** 2
         self.shape(points * radius + where, faces, light, self.spot(), is_sampled)
 
     def sun(self):
@@ -228,8 +236,21 @@ class Lamp:
             self.export.warn(f"light '{self.object.name}': nodes of suns are not shown")
         if radius > 0 and not getattr(self.data, "normalize", True):
             color = color * math.pi * radius * radius
+        if self.is_shape:
+            self.disc(color, radius)
+            return
         parameters = {"power": tuple(color), "from": tuple(self.turn[:, 2]), "side": tuple(self.turn[:, 0]), "across": tuple(self.turn[:, 1]), "radius": radius}
         self.export.scene.add_light_shader(SUN, parameters=parameters)
+
+    def disc(self, color, radius):
+        """A sun that media see: a disc far away, or parallel light."""
+        if radius < 1e-4 and not links.are_there(self.object):
+            self.export.scene.add_light("directional", direction=tuple(-self.turn[:, 2]), irradiance=tuple(color))
+            return
+        radius = max(radius, 1e-4)
+        points, faces, _ = flat_shape("ELLIPSE", 2 * FAR * math.tan(math.asin(radius)), 2 * FAR * math.tan(math.asin(radius)))
+        points = points @ self.turn.T + FAR * self.turn[:, 2]
+        self.shape(points, faces, color / (math.pi * radius * radius), {}, given=["other"])
 
     def area(self):
         data = self.data
@@ -246,7 +267,7 @@ class Lamp:
         if half < math.pi / 2 - 1e-4:
             half = max(half, math.radians(0.5))
             parameters = {"spread": math.tan(half), "spread_scale": 1 / (math.tan(half) - half)}
-        is_narrow = bool(parameters) and half < math.radians(50) and not self.has_nodes() and self.export.lamps <= MOST_SAMPLED
+        is_narrow = bool(parameters) and half < math.radians(50) and not self.has_nodes() and self.export.lamps <= MOST_SAMPLED and not self.is_shape
         if is_narrow:
             place = {"where": tuple(self.matrix[:3, 3]), "side": tuple(self.turn[:, 0]), "up": tuple(self.turn[:, 1]), "axis": tuple(-self.turn[:, 2])}
             place |= {"wide": max(size, 1e-6), "high": max(size_y, 1e-6), "is_round": int(shape == "ELLIPSE")}
@@ -257,7 +278,7 @@ class Lamp:
         tree = getattr(self.data, "node_tree", None)
         return bool(getattr(self.data, "use_nodes", False) and tree)
 
-    def shape(self, points, faces, light, parameters, is_mirrored=False):
+    def shape(self, points, faces, light, parameters, is_mirrored=False, given=None):
         """A mesh that emits; to mirrors and the camera only if something else lights the scene in its place."""
         export = self.export
         body, extra = "light", {}
@@ -272,5 +293,6 @@ class Lamp:
             self.object.name, shader=shader, parameters={"light": tuple(light), **parameters}, textures=extra.get("textures") or {}
         )
         rays = [*(["camera"] if export.lamp_shows(self.object) else []), *(["other"] if light.any() else [])]
+        rays = given or rays
         if rays:
             export.scene.add_mesh(points, faces, material=material, rays=rays, name=self.object.name)

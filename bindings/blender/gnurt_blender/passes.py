@@ -6,7 +6,7 @@ Blender's rows begin with the lowest; ours with the upper one. Depth is that alo
 
 import numpy as np
 
-from . import hashes
+from . import hashes, light_passes
 
 # Property of the view layer: (name of the pass, channels, kind). Properties that are missing in a version are skipped.
 PASSES = {
@@ -16,13 +16,16 @@ PASSES = {
     "use_pass_uv": ("UV", 3, "UVA", "VECTOR"),
     "use_pass_object_index": ("Object Index", 1, "X", "VALUE"),
     "use_pass_material_index": ("Material Index", 1, "X", "VALUE"),
-    "use_pass_diffuse_color": ("Diffuse Color", 3, "RGB", "COLOR"),
+    "use_pass_mist": ("Mist", 1, "Z", "VALUE"),
+    "use_pass_vector": ("Vector", 4, "XYZW", "VECTOR"),
+    "use_pass_ambient_occlusion": ("Ambient Occlusion", 3, "RGB", "COLOR"),
     "use_pass_emit": ("Emission", 3, "RGB", "COLOR"),
     "use_pass_environment": ("Environment", 3, "RGB", "COLOR"),
 }
-OLD_NAMES = {"Object Index": "IndexOB", "Material Index": "IndexMA", "Diffuse Color": "DiffCol", "Emission": "Emit", "Environment": "Env"}
-NAMED = {"use_pass_vector": "Vector", "use_pass_mist": "Mist", "use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "Ambient occlusion"}
-NAMED |= {f"use_pass_{kind}_{part}": f"{kind} {part}" for kind in ("diffuse", "glossy", "transmission", "subsurface") for part in ("direct", "indirect", "color") if (kind, part) != ("diffuse", "color")}
+OLD_NAMES = {"Object Index": "IndexOB", "Material Index": "IndexMA", "Emission": "Emit", "Environment": "Env", "Ambient Occlusion": "AO"}
+OLD_NAMES |= light_passes.OLD_NAMES
+NAMED = {"use_pass_shadow": "Shadow", "use_pass_shadow_catcher": "Shadow Catcher"}
+NAMED |= {f"use_pass_subsurface_{part}": f"Subsurface {part.capitalize()}" for part in ("direct", "indirect", "color")}
 # Mattes: (layer of the package, name of the first passes).
 MATTES = {
     "use_pass_cryptomatte_object": ("crypto_object", "CryptoObject"),
@@ -33,17 +36,15 @@ FAR = 1e10
 # Channels of the layer of ids.
 ID_INSTANCE, ID_MATERIAL = 1, 3
 
-UV = "surface blender_uv () { Ci = color(u, v, 1) * emission(); }"
-
 
 def wanted(layer, warn=None):
     """The passes of a view layer beside Combined, by name."""
     for name in NAMED:
-        if warn and getattr(layer, name, False):
+        if warn and light_passes.is_on(layer, name):
             warn(f"view layer '{layer.name}': the pass {NAMED[name]} is not rendered")
     found = {entry[0]: entry for name, entry in PASSES.items() if getattr(layer, name, False)}
     names = [f"{name}{level:02}" for _, name in mattes(layer) for level in range((matte_depth(layer) + 1) // 2)]
-    return found | {name: (name, 4, "rgba", "COLOR") for name in names}
+    return found | light_passes.wanted(layer) | {name: (name, 4, "rgba", "COLOR") for name in names}
 
 
 def mattes(layer):
@@ -91,9 +92,13 @@ def needs_layers(layer, transparent):
     return transparent or bool(wanted(layer))
 
 
-def of_picture(picture, entry, export, uv=None):
-    """One pass, (height, width, channels)."""
+def of_picture(picture, entry, export, others):
+    """One pass, (height, width, channels); `others` are those that are there already, by name."""
     name = entry[0]
+    if name in others:
+        return others[name]
+    if name in light_passes.BY_NAME:
+        return light_passes.of_picture(picture, name)
     hit = np.isfinite(picture["depth"])
     if name == "Depth":
         depth = picture["Z"] if export.view.parameters.get("kind", 0) < 2 else picture["depth"]
@@ -102,14 +107,12 @@ def of_picture(picture, entry, export, uv=None):
         return picture["N"]
     if name == "Position":
         return np.where(hit[..., None], picture["P"], 0.0)
-    if name == "Diffuse Color":
-        return picture["albedo"]
+    if name in {"Emission", "Environment"} and name.lower() in picture.layers:
+        return picture[name.lower()]
     if name == "Emission":
         return picture["unscattered"] - picture["background"][..., :3]
     if name == "Environment":
         return picture["background"][..., :3]
-    if name == "UV":
-        return uv
     if name.startswith("Crypto"):
         return picture[name]
     return indices(picture, name, export)
@@ -130,13 +133,6 @@ def indices(picture, name, export):
     for number in np.unique(material):
         made[material == number] = export.material_indices.get(int(number), 0)
     return made
-
-
-def coordinates(export, options):
-    """Texture coordinates of what the camera sees, by a picture in which all surfaces shine with them."""
-    from .holdouts import rendered_as
-
-    return rendered_as(export, lambda found: UV, options)
 
 
 def write(layer, name, values):

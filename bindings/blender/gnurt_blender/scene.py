@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from . import cameras, hashes, images, meshes, strands
+from . import cameras, hashes, images, links, meshes, motion, strands, volumes
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
@@ -17,6 +17,7 @@ from .warned import Warned
 
 # From the middle of our latitude-longitude pictures, which is y, to that of Blender's, which is x; degrees.
 TURN = -90.0
+NOTHING = "surface blender_volume () { Ci = transparent(); }"
 GREY = 'surface blender_default () { Ci = 0.8 * diffuse(N); }'
 
 
@@ -27,6 +28,7 @@ class Surroundings:
         self.export, self.material, self.object, self.mesh, self.slot = export, material, lit_object, mesh, slot
         self.warn = export.warn
         self.holdout = False
+        self.masks = export.masks
         self.random_id = 0
 
     @property
@@ -102,21 +104,34 @@ class Surroundings:
 class Export:
     """A scene of the package in the making. `overrides` replaces materials: a function of an object that returns shader text or None."""
 
-    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None):
+    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None, shapes=None, masks=False):
         self.depsgraph, self.size = depsgraph, size
         self.scene_data, self.view_layer = depsgraph.scene, depsgraph.view_layer
         self.warn = warned or Warned()
-        self.override = override
+        # In a mask only Holdout nodes shine.
+        self.override, self.masks, self.holds = override, masks, False
         self.scene = recorder or Recorder()
         self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
+        # Pictures by their numbers in the package.
+        self.pictures = {}
         # By instances of the package: the object and material that they show, for passes.
         self.objects, self.material_indices, self.reads_uv = {}, {}, {}
         # By the object and the path of an instance: the numbers in the package's scene.
         self.numbers = {}
+        # Shapes at moments of the shutter by object and instance, and instances whose meshes have such.
+        self.shapes, self.bent = shapes or {}, []
         # Numbers of points and spots, which go over together.
         self.points = []
         self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
+        # Objects that are lights for some objects only.
+        self.linked = [] if self.is_dark else [found for found in depsgraph.objects if links.are_there(found)]
+        self.has_media = volumes.has_media(depsgraph)
         self.view = view or cameras.of_scene(self.scene_data, camera, size, self.warn)
+
+    @property
+    def is_dark(self):
+        """Whether only surfaces shine."""
+        return self.override is not None or self.masks
 
     def put_all(self, cancelled=lambda: False):
         for instance in self.depsgraph.object_instances:
@@ -124,12 +139,13 @@ class Export:
                 return False
             found = instance.object
             if found.type == "LIGHT":
-                if self.override is None:
+                if not self.is_dark:
                     Lamp(self, found, instance.matrix_world, found.data).put()
                 continue
             self.put(instance, found)
         put_points(self.scene, self.points)
         self.world()
+        links.put(self)
         self.scene.end()
         return True
 
@@ -150,7 +166,9 @@ class Export:
             self.place(instance, found, matrix, rays, self.curves_of)
         elif found.type == "POINTCLOUD":
             self.place(instance, found, matrix, rays, self.points_of)
-        elif found.type in {"VOLUME", "GREASEPENCIL", "GPENCIL"}:
+        elif found.type == "VOLUME":
+            self.volume(found, matrix)
+        elif found.type in {"GREASEPENCIL", "GPENCIL"}:
             self.warn(f"object '{found.name}': objects of type {found.type} are not shown")
 
     def rays_of(self, found):
@@ -163,7 +181,7 @@ class Export:
         return rays + (["other"] if any(others) else [])
 
     def lamp_shows(self, found):
-        return found.visible_camera and self.override is None
+        return found.visible_camera and not self.is_dark
 
     def key_of(self, instance, found):
         """What tells instances apart that a shader sees as different."""
@@ -174,7 +192,7 @@ class Export:
         """Adds the mesh of an object, or another place of it."""
         slots = [slot.material for slot in found.material_slots] or [None]
         key = (found.type, found.data.as_pointer() if found.data else 0, tuple(m.as_pointer() if m else 0 for m in slots))
-        if found.type not in {"MESH", "CURVES", "POINTCLOUD"}:
+        if found.type not in {"MESH", "CURVES", "POINTCLOUD"} or self.linked:
             key = (*key, found.name)
         own = self.shown.get(key)
         if own is None and key not in self.shown:
@@ -191,6 +209,16 @@ class Export:
             number = self.scene.add_instance(own, matrix, rays)
         self.objects[number] = (found, slots)
         self.numbers[self.key_of(instance, found)] = number
+
+    def volume(self, found, matrix):
+        """Shows a volume object at a place."""
+        if self.is_dark:
+            return
+        material = found.material_slots[0].material if found.material_slots else None
+        tree = getattr(material, "node_tree", None)
+        output = tree.get_output_node("CYCLES") if tree else None
+        code = Code("surface", Surroundings(self, material or found, found, None))
+        volumes.put_object(self, code, tree, output, found, matrix)
 
     def mesh_of(self, instance, found, slots, matrix, rays):
         mesh = found.data if found.type == "MESH" else found.to_mesh()
@@ -234,7 +262,13 @@ class Export:
                 made[known] = np.ascontiguousarray(values)
         if made:
             properties["attributes"] = made
-        return self.scene.add_mesh(arrays.vertices, arrays.faces, **properties), uses_object
+        bent = motion.moments(self.shapes.get(self.key_of(instance, found), ()), arrays)
+        if bent:
+            properties["moments"] = bent
+        number = self.scene.add_mesh(arrays.vertices, arrays.faces, **properties)
+        if bent:
+            self.bent.append(number)
+        return number, uses_object
 
     def particle_hair(self, instance, found):
         """Hair of particle systems, which belongs to an emitter."""
@@ -279,7 +313,8 @@ class Export:
     def material(self, material, found, mesh, instance, slot=0):
         """The number of a material, the attributes that it reads, and whether it is that of this object alone."""
         if self.override is not None:
-            return self.shader(self.override(found), "override", {}), {}, False
+            text = NOTHING if is_volume_alone(material) else self.override(found)
+            return self.shader(text, "override", {}), {}, False
         if material is None:
             return self.shader(GREY, "default", {}), {}, False
         tree = getattr(material, "node_tree", None)
@@ -293,29 +328,31 @@ class Export:
             return self.materials[key]
         code = Code("surface", host)
         output = tree.get_output_node("CYCLES")
-        result = []
+        result, medium = [], None
         if output is not None:
             if output.inputs["Displacement"].is_linked and material.displacement_method != "DISPLACEMENT_":
                 bump_of_displacement(code, tree, output, material)
-            if output.inputs["Volume"].is_linked:
-                self.warn(f"material '{material.name}': volumes are not shown")
+            medium = volumes.of_body(self, code, tree, output, found, np.array(instance.matrix_world)) if mesh is not None and not self.masks else None
             surface = compile_tree(code, tree, output.inputs["Surface"])
             result = [f"Ci = {surface};"] if surface else []
-        else:
-            result = []
-        text = code.text("blender_material", result or ["Ci = 0;"])
-        number = self.shader(text, material.name, code.textures, material.pass_index)
+        text = NOTHING if is_volume_alone(material) else code.text("blender_material", result or ["Ci = 0;"])
+        number = self.shader(text, material.name, code.textures, material.pass_index, medium)
         self.material_indices[number] = material.pass_index
+        self.holds |= host.holdout
         made = (number, code.attributes, code.uses_object)
         if not code.uses_object:
             self.materials[key] = made
         return made
 
-    def shader(self, text, name, textures, index=0):
-        """The number of a material with this shader and pass index."""
-        key = (text, tuple(sorted(textures.items())), index)
+    def shader(self, text, name, textures, index=0, medium=None):
+        """The number of a material with this shader, pass index and medium."""
+        key = (text, tuple(sorted(textures.items())), index, medium)
         if key not in self.shaders:
-            self.shaders[key] = self.scene.add_material(name, shader=text, **({"textures": textures} if textures else {}))
+            properties = {"textures": textures} if textures else {}
+            properties |= {} if medium is None else {"medium": medium}
+            # A surface of a medium that is not seen is no shader: shadow rays pass it without one.
+            properties |= {"kind": "boundary"} if text == NOTHING and medium is not None else {"shader": text}
+            self.shaders[key] = self.scene.add_material(name, **properties)
             self.reads_uv[self.shaders[key]] = bool(re.search(r"\(u, v|dPdu", text))
         return self.shaders[key]
 
@@ -326,6 +363,7 @@ class Export:
             if found is not None:
                 values, space = found
                 number = self.scene.add_texture(values, name=image.name, colorspace="linear")
+                self.pictures[number] = values
                 number = (number, space == "coded", tuple(image.size))
             self.images[image.name_full] = number
         return self.images[image.name_full]
@@ -349,7 +387,7 @@ class Export:
 
     def world(self):
         world = self.scene_data.world
-        if world is None or self.override is not None:
+        if world is None or self.is_dark:
             self.scene.add_light("environment", radiance=0)
             return
         tree = getattr(world, "node_tree", None)
@@ -360,6 +398,8 @@ class Export:
         host = Surroundings(self, world, None, None)
         code = Code("environment", host)
         result = None
+        if output is not None:
+            volumes.of_world(self, code, tree, output)
         plain = uniform(tree, output) if output is not None else None
         if plain is not None:
             self.scene.add_light("environment", radiance=plain)
@@ -372,8 +412,6 @@ class Export:
             self.scene.add_light("environment", texture=number[0], radiance=strength, up=(0.0, 0.0, 1.0), turn=TURN)
             return
         if output is not None:
-            if output.inputs["Volume"].is_linked:
-                self.warn(f"world '{world.name}': volumes are not shown")
             result = compile_tree(code, tree, output.inputs["Surface"])
         if result is None:
             self.scene.add_light("environment", radiance=0)
@@ -381,6 +419,13 @@ class Export:
         text = code.text("blender_world", [f"Ci = {result};"])
         textures = {"textures": code.textures} if code.textures else {}
         self.scene.add_light("environment", shader=text, up=(0.0, 0.0, 1.0), **textures)
+
+
+def is_volume_alone(material):
+    """Whether a material has a volume and no surface."""
+    tree = getattr(material, "node_tree", None)
+    output = tree.get_output_node("CYCLES") if tree and getattr(material, "use_nodes", True) else None
+    return output is not None and volumes.is_fed(tree, output.inputs["Volume"]) and not volumes.is_fed(tree, output.inputs["Surface"])
 
 
 def uniform(tree, output):

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import time
 
-from common import background, bpy, camera, floor, gnurt_blender, light, material, np, render, shape, start  # isort: skip
+from common import background, bpy, camera, filled, floor, gnurt_blender, light, material, np, render, shape, start  # isort: skip
 from gnurt_blender import kept as _  # noqa: F401
 from gnurt_blender.engine import GnurtEngine
 from scenes import SCENES, nodes_of
@@ -97,12 +97,18 @@ def layers(engine, samples=16, read=lambda file: None):
     return made
 
 
-@check
-def passes_are_those_of_cycles():
+def has_openexr(what):
     try:
         import OpenEXR  # noqa: F401
     except ImportError:
-        print("SKIPPED: passes beside Cycles'; install OpenEXR for this Python: pip install OpenEXR", file=sys.stderr)
+        print(f"SKIPPED: {what}; install OpenEXR for this Python: pip install OpenEXR", file=sys.stderr)
+        return False
+    return True
+
+
+@check
+def passes_are_those_of_cycles():
+    if not has_openexr("passes beside Cycles'"):
         return
     start()
     SCENES["point_lights"]()
@@ -123,12 +129,98 @@ def passes_are_those_of_cycles():
         assert same.mean() > 0.93, f"{name}: {100 * same.mean():.1f} % of the pixels are equal"
 
 
+def every_kind_of_light():
+    """Diffuse, glossy, glass, translucent and shining surfaces, and smoke."""
+    start()
+    floor()
+    ball = {"smooth": True, "radius": 0.7, "segments": 48, "ring_count": 24}
+    shape("uv_sphere", (-2.2, 0, 0.7), material("plastic", Base_Color=(0.2, 0.4, 0.7), Roughness=0.3), **ball)
+    shape("uv_sphere", (-0.7, 0, 0.7), material("metal", Base_Color=(0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.4), **ball)
+    shape("uv_sphere", (0.8, 0, 0.7), material("glass", "ShaderNodeBsdfGlass", Color=(0.8, 0.9, 1.0), IOR=1.45), **ball)
+    shape("uv_sphere", (2.3, 0, 0.7), material("leaf", "ShaderNodeBsdfTranslucent", Color=(0.4, 0.7, 0.2)), **ball)
+    shape("cube", (0, -1.8, 0.25), material("lamp", "ShaderNodeEmission", Color=(1, 0.8, 0.5), Strength=1.5), size=0.5)
+    shape("cube", (-1.4, -1.8, 0.5), filled("smoke", "ShaderNodeVolumeScatter", Color=0.8, Density=1.0), size=0.8)
+    camera((0, -8, 3.5), (0, 0, 0.5), 42)
+    light("AREA", (2, -4, 6), 700, size=3)
+    background(0.3)
+    layer = bpy.context.view_layer
+    for kind in ("diffuse", "glossy", "transmission"):
+        for part in ("direct", "indirect", "color"):
+            setattr(layer, f"use_pass_{kind}_{part}", True)
+    layer.use_pass_emit = layer.use_pass_environment = True
+    layer.cycles.use_pass_volume_direct = layer.cycles.use_pass_volume_indirect = True
+
+
+def colors(found, name):
+    return np.stack([found[f"{name}.{letter}"] for letter in "RGB"], axis=-1)
+
+
+KINDS = ("Diffuse", "Glossy", "Transmission")
+
+
+@check
+def passes_of_light_add_up():
+    if not has_openexr("passes of light"):
+        return
+    every_kind_of_light()
+    found = layers("GNURT")
+    whole = sum(colors(found, name) for name in ("Emission", "Environment", "Volume Direct", "Volume Indirect"))
+    whole = whole + sum((colors(found, f"{kind} Direct") + colors(found, f"{kind} Indirect")) * colors(found, f"{kind} Color") for kind in KINDS)
+    far = np.abs(whole - colors(found, "Combined")).max()
+    assert far < 2e-3, f"the sum of the passes differs by {far}"
+
+
+@check
+def passes_of_light_are_those_of_cycles():
+    if not has_openexr("passes of light beside Cycles'"):
+        return
+    every_kind_of_light()
+    ours, theirs = layers("GNURT", 256), layers("CYCLES", 256)
+    far = {}
+    names = [f"{kind} {part}" for kind in (*KINDS, "Volume") for part in ("Direct", "Indirect", "Color") if (kind, part) != ("Volume", "Color")]
+    for name in [*names, "Emission", "Environment"]:
+        a, b = colors(ours, name).mean(), colors(theirs, name).mean()
+        far[name] = (a / b - 1, a, b)
+    print("      " + ", ".join(f"{name} {100 * error:+.1f} %" for name, (error, _, _) in far.items()))
+    worst = {name: values for name, values in far.items() if abs(values[0]) > 0.03}
+    assert not worst, worst
+
+
+@check
+def mist_motion_and_occlusion_are_those_of_cycles():
+    if not has_openexr("mist, motion and occlusion beside Cycles'"):
+        return
+    start()
+    SCENES["motion"]()
+    scene = bpy.context.scene
+    scene.render.use_motion_blur = False
+    ball = next(each for each in bpy.data.objects if each.name.startswith("Sphere"))
+    ball.location.x = 2.7
+    ball.keyframe_insert("location", frame=2)
+    scene.camera.keyframe_insert("location", frame=1)
+    scene.camera.location.z += 0.2
+    scene.camera.keyframe_insert("location", frame=2)
+    scene.frame_set(1)
+    layer = bpy.context.view_layer
+    for name in ("mist", "vector", "ambient_occlusion"):
+        setattr(layer, f"use_pass_{name}", True)
+    settings = scene.world.mist_settings
+    settings.start, settings.depth = 5, 6
+    for falloff in ("QUADRATIC", "LINEAR", "INVERSE_QUADRATIC"):
+        settings.falloff = falloff
+        ours, theirs = layers("GNURT", 64), layers("CYCLES", 64)
+        assert np.abs(ours["Mist.Z"] - theirs["Mist.Z"]).mean() < 0.003, f"mist {falloff}"
+    for letter in "XYZW":
+        a, b = ours[f"Vector.{letter}"], theirs[f"Vector.{letter}"]
+        assert (np.abs(a - b) < 0.1 + 0.02 * np.abs(b)).mean() > 0.93, f"Vector.{letter}: {a.mean()} beside {b.mean()}"
+        assert letter in "XY" or np.abs(b).max() > 1
+    a, b = (colors(found, "Ambient Occlusion") for found in (ours, theirs))
+    assert abs(a.mean() / b.mean() - 1) < 0.02 and np.abs(a - b).mean() < 0.05, f"occlusion {a.mean()} beside {b.mean()}"
+
+
 @check
 def mattes_are_those_of_cycles():
-    try:
-        import OpenEXR
-    except ImportError:
-        print("SKIPPED: mattes beside Cycles'; install OpenEXR for this Python: pip install OpenEXR", file=sys.stderr)
+    if not has_openexr("mattes beside Cycles'"):
         return
     start()
     SCENES["point_lights"]()

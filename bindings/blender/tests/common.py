@@ -35,6 +35,8 @@ def start():
     cycles.sample_clamp_indirect = cycles.sample_clamp_direct = cycles.blur_glossy = cycles.light_sampling_threshold = 0
     for name in ("max", "diffuse", "glossy", "transmission"):
         setattr(cycles, f"{name}_bounces", 12)
+    # Cycles counts scattering in volumes apart; the package counts all bounces alike.
+    cycles.volume_bounces = 12
     cycles.transparent_max_bounces = 32
     scene.render.threads_mode, scene.render.threads = "FIXED", 2
     world = bpy.data.worlds.new("World")
@@ -100,6 +102,24 @@ def material(name="Material", kind="ShaderNodeBsdfPrincipled", **inputs):
         if socket.type == "RGBA":
             value = (*value, 1) if hasattr(value, "__len__") else (value, value, value, 1)
         socket.default_value = value
+    return made
+
+
+def filled(made, kind, **inputs):
+    """A material with a volume node, and no surface where `made` is a name."""
+    is_alone = isinstance(made, str)
+    made = material(made, kind, **inputs) if is_alone else made
+    tree = made.node_tree
+    output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+    if is_alone:
+        node = output.inputs["Surface"].links[0].from_node
+        tree.links.remove(output.inputs["Surface"].links[0])
+    else:
+        node = tree.nodes.new(kind)
+        for key, value in inputs.items():
+            socket = node.inputs[key.replace("_", " ")]
+            socket.default_value = ((*value, 1) if hasattr(value, "__len__") else (value,) * 3 + (1,)) if socket.type == "RGBA" else value
+    tree.links.new(node.outputs[0], output.inputs["Volume"])
     return made
 
 

@@ -4,7 +4,7 @@
 import math
 import random
 
-from common import add, background, bpy, camera, floor, light, material, nodes_of, np, shape
+from common import add, background, bpy, camera, filled, floor, light, material, nodes_of, np, shape
 
 SCENES = {}
 
@@ -699,3 +699,302 @@ def displaced():
     floor()
     shape("uv_sphere", (0, 0, 1), made, True, radius=1, segments=64, ring_count=32)
     lit()
+
+
+def bodies(*materials):
+    """Cubes on a floor, between a lamp and a camera."""
+    floor()
+    count = len(materials)
+    for i, made in enumerate(materials):
+        shape("cube", ((i - (count - 1) / 2) * 2, 0, 0.8), made, size=1.5)
+    camera((0, -8, 3), (0, 0, 0.7), 42)
+    light("AREA", (2, -3, 5), 500, size=2)
+    background(0.4)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def volume_nodes():
+    bodies(
+        filled("absorbing", "ShaderNodeVolumeAbsorption", Color=(0.2, 0.6, 0.9), Density=0.8),
+        filled("scattering", "ShaderNodeVolumeScatter", Color=(0.9, 0.7, 0.3), Density=1.5, Anisotropy=0.5),
+        filled("principled", "ShaderNodeVolumePrincipled", Color=(0.3, 0.5, 0.7), Density=2.0, Absorption_Color=(0.5, 0.1, 0.0), Anisotropy=-0.4),
+    )
+
+
+@scene
+def volumes_that_shine():
+    bodies(
+        filled("emission", "ShaderNodeEmission", Color=(1, 0.5, 0.2), Strength=0.4),
+        filled("strength", "ShaderNodeVolumePrincipled", Color=0.5, Density=0.5, Emission_Strength=0.5, Emission_Color=(0.2, 0.4, 1)),
+        filled("hot", "ShaderNodeVolumePrincipled", Color=0.2, Density=1.0, Blackbody_Intensity=1.0, Temperature=2000.0, Blackbody_Tint=(1, 0.8, 0.9)),
+    )
+    background(0.05)
+
+
+@scene
+def volumes_mixed():
+    def mixed(kind):
+        made = filled(kind, "ShaderNodeVolumeScatter", Color=(0.8, 0.8, 0.9), Density=2.0, Anisotropy=0.6)
+        tree = made.node_tree
+        output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+        one = output.inputs["Volume"].links[0].from_node
+        other, both, amount = tree.nodes.new("ShaderNodeVolumeScatter"), tree.nodes.new(kind), tree.nodes.new("ShaderNodeValue")
+        other.inputs["Color"].default_value, other.inputs["Anisotropy"].default_value = (0.9, 0.3, 0.3, 1), -0.3
+        amount.outputs[0].default_value = 0.7
+        tree.links.new(amount.outputs[0], other.inputs["Density"])
+        first = len(both.inputs) - 2
+        if first:
+            both.inputs[0].default_value = 0.3
+        tree.links.new(one.outputs[0], both.inputs[first])
+        tree.links.new(other.outputs[0], both.inputs[first + 1])
+        tree.links.new(both.outputs[0], output.inputs["Volume"])
+        return made
+
+    bodies(mixed("ShaderNodeMixShader"), mixed("ShaderNodeAddShader"), filled("rayleigh", "ShaderNodeVolumeScatter", phase="RAYLEIGH", Color=0.7, Density=1.0))
+
+
+@scene
+def volumes_in_glass():
+    floor()
+    whisky = filled(material("whisky", "ShaderNodeBsdfGlass", Color=1.0, IOR=1.4), "ShaderNodeVolumeAbsorption", Color=(0.9, 0.5, 0.1), Density=1.0)
+    milk = filled(material("milk", "ShaderNodeBsdfRefraction", Color=1.0, IOR=1.2), "ShaderNodeVolumeScatter", Color=(0.9, 0.9, 0.8), Density=1.2, Anisotropy=0.3)
+    for x, made in ((-1.1, whisky), (1.1, milk)):
+        shape("uv_sphere", (x, 0, 0.9), made, True, radius=0.9, segments=64, ring_count=32)
+    camera((0, -7, 2.6), (0, 0, 0.8), 45)
+    light("AREA", (2, -3, 5), 400, size=2)
+    background(0.5)
+
+
+def fog(density, color=0.7, **values):
+    tree = bpy.context.scene.world.node_tree
+    made = tree.nodes.new("ShaderNodeVolumePrincipled")
+    made.inputs["Density"].default_value, made.inputs["Color"].default_value = density, (color, color, color, 1)
+    for name, value in values.items():
+        made.inputs[name].default_value = value
+    tree.links.new(made.outputs[0], next(n for n in tree.nodes if n.type == "OUTPUT_WORLD").inputs["Volume"])
+
+
+@scene
+def world_fog():
+    stage()
+    light("POINT", (-2, -2, 3), 300, shadow_soft_size=0.3)
+    light("AREA", (2, -3, 4), 300, size=2)
+    fog(0.06, Anisotropy=0.3)
+    # The cube's medium adds to the fog; glass without one holds the fog, too.
+    bpy.data.objects["Cube"].data.materials[0] = filled("body", "ShaderNodeVolumeScatter", Color=(0.9, 0.5, 0.5), Density=1.0)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def camera_in_fog():
+    stage()
+    light("AREA", (2, -3, 4), 500, size=2)
+    shape("cube", (0, 0, 0), filled("room", "ShaderNodeVolumeScatter", Color=(0.8, 0.8, 0.9), Density=0.04), size=24)
+    bpy.data.objects["Cube"].data.materials[0] = filled("body", "ShaderNodeVolumeAbsorption", Color=(0.9, 0.2, 0.2), Density=1.0)
+    background(0.3)
+    bpy.context.scene["means only"] = True
+
+
+def grid_cloud(values, made, where=(0, 0, 1), **place):
+    """A volume object by geometry nodes: named grids of fields, each a node of the field's tree or a number."""
+    tree = bpy.data.node_groups.new("grids", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    end, cube, drop, paint = (tree.nodes.new(n) for n in ("NodeGroupOutput", "GeometryNodeVolumeCube", "GeometryNodeGetNamedGrid", "GeometryNodeSetMaterial"))
+    for name in "XYZ":
+        cube.inputs[f"Resolution {name}"].default_value = 24
+    drop.inputs["Name"].default_value, drop.inputs["Remove"].default_value = "density", True
+    tree.links.new(cube.outputs[0], drop.inputs["Volume"])
+    last = drop.outputs["Volume"]
+    for name, field in values.items():
+        grid, store = tree.nodes.new("GeometryNodeFieldToGrid"), tree.nodes.new("GeometryNodeStoreNamedGrid")
+        grid.grid_items.clear()
+        grid.grid_items.new("FLOAT", name)
+        tree.links.new(drop.outputs["Grid"], grid.inputs["Topology"])
+        socket = next(each for each in grid.inputs if each.name == name)
+        if callable(field):
+            tree.links.new(field(tree), socket)
+        else:
+            socket.default_value = field
+        store.inputs["Name"].default_value = name
+        tree.links.new(next(each for each in grid.outputs if each.name == name), store.inputs["Grid"])
+        tree.links.new(last, store.inputs["Volume"])
+        last = store.outputs["Volume"]
+    paint.inputs["Material"].default_value = made
+    tree.links.new(last, paint.inputs[0])
+    tree.links.new(paint.outputs[0], end.inputs[0])
+    found = add("grids", bpy.data.meshes.new("grids"), where)
+    for name, value in place.items():
+        setattr(found, name, value)
+    found.modifiers.new("nodes", "NODES").node_group = tree
+    return found
+
+
+def ball_field(scale, noise=0.0):
+    """A field that falls from the middle of a cube to its sides."""
+
+    def put(tree):
+        where, length, change, top = (tree.nodes.new(n) for n in ("GeometryNodeInputPosition", "ShaderNodeVectorMath", "ShaderNodeTexNoise", "ShaderNodeMath"))
+        length.operation = "LENGTH"
+        change.inputs["Scale"].default_value = 2.5
+        mixed = tree.nodes.new("ShaderNodeMath")
+        mixed.operation, top.operation, top.use_clamp = "MULTIPLY_ADD", "MULTIPLY", True
+        tree.links.new(where.outputs[0], length.inputs[0])
+        tree.links.new(length.outputs["Value"], mixed.inputs[0])
+        mixed.inputs[1].default_value, mixed.inputs[2].default_value = -1.0, 1.0
+        tree.links.new(mixed.outputs[0], top.inputs[0])
+        if noise:
+            tree.links.new(change.outputs["Fac" if "Fac" in change.outputs else 0], top.inputs[1])
+        else:
+            top.inputs[1].default_value = 1.0
+        many = tree.nodes.new("ShaderNodeMath")
+        many.operation = "MULTIPLY"
+        many.inputs[1].default_value = scale
+        tree.links.new(top.outputs[0], many.inputs[0])
+        return many.outputs[0]
+
+    return put
+
+
+@scene
+def smoke():
+    floor()
+    made = filled("smoke", "ShaderNodeVolumePrincipled", Color=(0.8, 0.6, 0.5), Density=2.0, Anisotropy=0.2)
+    grid_cloud({"density": ball_field(4.0, 1.0)}, made, scale=(1.2, 1.2, 0.9), rotation_euler=(0.3, 0.2, 0.5))
+    camera((0, -7, 2.6), (0, 0, 0.8), 45)
+    light("AREA", (2, -3, 5), 500, size=2)
+    background(0.3)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def fire():
+    floor()
+    made = filled("fire", "ShaderNodeVolumePrincipled", Color=(0.5, 0.5, 0.5), Density=1.0, Blackbody_Intensity=1.0, Temperature=1500.0)
+    grid_cloud({"density": ball_field(3.0), "temperature": ball_field(1.6)}, made)
+    camera((0, -7, 2.6), (0, 0, 0.8), 45)
+    background(0.05)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def volume_file():
+    """A volume object of a file, whose density a ramp changes."""
+    floor()
+    import tempfile
+
+    found = grid_cloud({"density": ball_field(1.0)}, None)
+    path = tempfile.NamedTemporaryFile(suffix=".vdb", delete=False).name
+    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+        if instance.object.type == "VOLUME":
+            instance.object.data.grids.save(path)
+    bpy.data.objects.remove(found)
+    made = filled("file", "ShaderNodeVolumeScatter", Color=(0.6, 0.7, 0.9))
+    tree = made.node_tree
+    info, ramp, more = (tree.nodes.new(n) for n in ("ShaderNodeVolumeInfo", "ShaderNodeValToRGB", "ShaderNodeMath"))
+    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[1].position = 0.2, 0.7
+    more.operation, more.inputs[1].default_value = "MULTIPLY", 5.0
+    tree.links.new(info.outputs["Density"], ramp.inputs[0])
+    tree.links.new(ramp.outputs[0], more.inputs[0])
+    tree.links.new(more.outputs[0], next(n for n in tree.nodes if n.type == "VOLUME_SCATTER").inputs["Density"])
+    data = bpy.data.volumes.new("file")
+    data.filepath, data.render.space = path, "WORLD"
+    data.materials.append(made)
+    add("file", data, (0, 0, 1)).scale = (1.3, 1.3, 1.3)
+    camera((0, -7, 2.6), (0, 0, 0.8), 45)
+    light("AREA", (2, -3, 5), 500, size=2)
+    background(0.3)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def lamps_and_smoke():
+    """Every kind of lamp beside a volume that scatters."""
+    stage()
+    light("POINT", (-2, -2, 3), 200, shadow_soft_size=0)
+    light("SPOT", (3, -3, 4), 900, (1, 0, 0), spot_size=0.9, spot_blend=0.15, shadow_soft_size=0.1)
+    light("SUN", (3, -4, 6), 1, angle=math.radians(5))
+    light("SUN", (-3, -4, 6), 0.5, angle=0)
+    light("AREA", (0, -4, 3), 100, size=1, spread=math.radians(70))
+    shape("cube", (0, 0, 0.8), filled("smoke", "ShaderNodeVolumeScatter", Color=0.8, Density=0.8, Anisotropy=0.3), size=1.4)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def bending():
+    """Vertices that move while the shutter is open: by shape keys, and by a modifier."""
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    settings = bpy.context.scene.render
+    settings.use_motion_blur, settings.motion_blur_shutter = True, 1.0
+    cube = bpy.data.objects["Cube"]
+    cube.shape_key_add(name="Basis")
+    key = cube.shape_key_add(name="long")
+    for point in key.data:
+        point.co.z += 1.5 if point.co.z > 0 else 0.0
+    for frame, value in ((0, 0.0), (2, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    ball = bpy.data.objects["Sphere"]
+    bend = ball.modifiers.new("wave", "SIMPLE_DEFORM")
+    bend.deform_method = "STRETCH"
+    for frame, value in ((0, -0.4), (2, 1.0)):
+        bend.factor = value
+        bend.keyframe_insert("factor", frame=frame)
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def holdout_nodes():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    bpy.context.scene.render.film_transparent = True
+    made = material("hole", "ShaderNodeBsdfDiffuse", Color=(0.7, 0.3, 0.2))
+    tree, output, shader = nodes_of(made)
+    mix, hole = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeHoldout")
+    mix.inputs[0].default_value = 0.7
+    tree.links.new(shader.outputs[0], mix.inputs[1])
+    tree.links.new(hole.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    bpy.data.objects["Cube"].data.materials[0] = made
+
+
+@scene
+def volume_textures():
+    """Textures in the volumes of meshes: by generated coordinates, and by those of a turned object."""
+    cloud = filled("cloud", "ShaderNodeVolumeScatter", Color=(0.9, 0.8, 0.7), Anisotropy=0.2)
+    ramped = filled("ramped", "ShaderNodeVolumePrincipled", Color=(0.4, 0.5, 0.8))
+    glowing = filled("glowing", "ShaderNodeEmission", Color=(1, 0.5, 0.2))
+    for made, name, texture, scale in ((cloud, "Density", "ShaderNodeTexNoise", 4), (ramped, "Density", "ShaderNodeTexGradient", 3), (glowing, "Strength", "ShaderNodeTexChecker", 1)):
+        tree = made.node_tree
+        node = next(n for n in tree.nodes if n.type in {"VOLUME_SCATTER", "PRINCIPLED_VOLUME", "EMISSION"})
+        source, more = tree.nodes.new(texture), tree.nodes.new("ShaderNodeMath")
+        more.operation, more.inputs[1].default_value = "MULTIPLY", scale
+        if texture == "ShaderNodeTexGradient":
+            where = tree.nodes.new("ShaderNodeTexCoord")
+            tree.links.new(where.outputs["Object"], source.inputs["Vector"])
+        tree.links.new(source.outputs["Factor" if "Factor" in source.outputs else "Fac"], more.inputs[0])
+        tree.links.new(more.outputs[0], node.inputs[name])
+    bodies(cloud, ramped, glowing)
+    bpy.data.objects["Cube.001"].rotation_euler = (0.3, 0.4, 0.5)
+
+
+def collection(name, *objects):
+    made = bpy.data.collections.new(name)
+    for each in objects:
+        made.objects.link(each)
+    return made
+
+
+@scene
+def light_links():
+    stage()
+    light("SUN", (3, -4, 6), 0.5, angle=0.05)
+    cube, ball, ring, ground = (bpy.data.objects[name] for name in ("Cube", "Sphere", "Torus", "Plane"))
+    only = light("POINT", (-2, -2, 3), 200, shadow_soft_size=0.2, color=(1, 0.5, 0.3))
+    only.light_linking.receiver_collection = collection("lit", cube, ground)
+    without = light("AREA", (2, -4, 5), 300, size=1, color=(0.4, 0.6, 1))
+    without.light_linking.receiver_collection = collection("unlit", ball)
+    without.light_linking.receiver_collection.collection_objects[0].light_linking.link_state = "EXCLUDE"
+    without.light_linking.blocker_collection = collection("shadows", ring)

@@ -9,7 +9,7 @@ use gnurt::scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescenc
 use gnurt::scene::material::{
     Alpha, BumpMap, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef,
 };
-use gnurt::scene::{Camera, Lens, Light, Material, Projection, Surface, Texture};
+use gnurt::scene::{Camera, Lens, Light, Material, MediumId, Projection, Surface, Texture};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -22,17 +22,24 @@ const MOST: f64 = f32::MAX as f64;
 /// The scene's form of a material.
 pub(crate) enum NewMaterial {
     Material(Material),
-    /// Its name, and the script that replaces it.
-    Script(String, Script),
+    /// Its name, the script that replaces it, and the medium behind it.
+    Script(String, Script, Option<MediumId>),
 }
 
 /// A material; `kind` selects its arguments, unless a shader replaces all of them.
 pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<NewMaterial> {
     let name = given.text("name")?.unwrap_or_default();
+    let medium = given.whole("medium", 0, u64::from(u32::MAX))?.map(|number| MediumId(number as u32));
     if let Some(script) = script(given, pictures)? {
-        return Ok(NewMaterial::Script(name, script));
+        return Ok(NewMaterial::Script(name, script, medium));
     }
     let kind = given.text("kind")?.unwrap_or_else(|| "principled".into());
+    if kind == "boundary" {
+        return match medium {
+            Some(medium) => Ok(NewMaterial::Material(Material::boundary(name, medium))),
+            None => Err(PyValueError::new_err("medium: a boundary needs one")),
+        };
+    }
     let color = given.color("color")?;
     let color_texture = reference(given, "color_texture")?;
     // A texture without a colour is shown as it is.
@@ -107,11 +114,12 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
         })),
         _ => {
             return Err(PyValueError::new_err(format!(
-                "kind: expected principled, matte, mirror or glass, not '{kind}'"
+                "kind: expected principled, matte, mirror, glass or boundary, not '{kind}'"
             )));
         }
     };
     let mut material = Material::of(name, surface);
+    material.medium = medium;
     material.emission_texture = reference(given, "emission_texture")?;
     let full = if material.emission_texture.is_some() { [1.0; 3] } else { [0.0; 3] };
     material.emission = given.color("emission")?.unwrap_or(full);

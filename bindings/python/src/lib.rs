@@ -13,7 +13,10 @@ mod ffi_arrays;
 mod given;
 mod hits;
 mod lights;
+mod materials;
+mod media;
 mod meshes;
+mod moments;
 mod picture;
 mod pixels;
 mod pool;
@@ -35,6 +38,7 @@ use pyo3::prelude::*;
 fn _gnurt(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(program::program, module)?)?;
+    module.add_function(wrap_pyfunction!(media::_read_volume, module)?)?;
     module.add_class::<hits::Hits>()?;
     module.add_class::<hits::AllHits>()?;
     module.add_class::<picture::Picture>()?;

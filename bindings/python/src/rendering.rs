@@ -255,7 +255,7 @@ fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShad
 /// Motion during an open shutter: instances by number with matrices, and cameras, at evenly spaced times.
 fn motion_keys(given: &mut Given) -> PyResult<Option<MotionKeys>> {
     let Some(motion) = given.get("motion")? else { return Ok(None) };
-    let wrong = || PyTypeError::new_err("motion: expected a dict of 'instances' and 'cameras'");
+    let wrong = || PyTypeError::new_err("motion: expected a dict of 'instances', 'meshes' and 'cameras'");
     let motion = motion.cast_into::<PyDict>().map_err(|_| wrong())?;
     let mut inner = Given::new(&motion);
     let mut keys = MotionKeys::default();
@@ -270,6 +270,11 @@ fn motion_keys(given: &mut Given) -> PyResult<Option<MotionKeys>> {
             }
             keys.instances.push((number.extract()?, places));
         }
+    }
+    if let Some(meshes) = inner.get("meshes")? {
+        keys.meshes = meshes.extract().map_err(|_| {
+            PyTypeError::new_err("motion: expected 'meshes' as a list of numbers of instances")
+        })?;
     }
     if let Some(cameras) = inner.get("cameras")? {
         for camera in cameras.try_iter()? {

@@ -6,10 +6,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use gnurt::FORMATS;
-use gnurt::osl::Script;
-use gnurt::scene::{Affine, InstanceId, MaterialId, MeshId, Scene as Description, io};
-use gnurt::scene::{Camera, Material, Object as SceneObject, Projection, RayMask, Surface, Texture};
-use gnurt::shading::SurfaceShader;
+use gnurt::scene::{Affine, InstanceId, MeshId, Scene as Description, io};
+use gnurt::scene::{Camera, Object as SceneObject, Projection, RayMask, Texture};
 use gnurt::shading::texture::TextureSampler;
 use pyo3::exceptions::{PyIndexError, PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -19,9 +17,11 @@ use pyo3::types::PyDict;
 use crate::arrays::{Numbers, transform};
 use crate::described_mesh::DescribedMesh;
 use crate::described_strands::strands;
-use crate::describing::{self, NewMaterial};
+use crate::describing;
 use crate::given::Given;
 use crate::lights;
+use crate::materials::{Compiled, material_id, plain};
+use crate::media;
 use crate::picture::Picture;
 use crate::rendering::{BuildRequest, Growing};
 use crate::stage::Stage;
@@ -85,45 +85,6 @@ impl Pictures for Textures<'_, '_> {
 /// Kinds of rays, in the order of their bits.
 const RAYS: [&str; 3] = ["camera", "shadow", "other"];
 
-/// A material before it is in a scene.
-enum Compiled {
-    Material(Material),
-    Script(String, Script, Arc<dyn SurfaceShader>),
-}
-
-impl Compiled {
-    /// Shaders take their time, so neither the interpreter nor the scene waits for them.
-    fn new(py: Python<'_>, material: NewMaterial) -> PyResult<Self> {
-        match material {
-            NewMaterial::Material(material) => Ok(Self::Material(material)),
-            NewMaterial::Script(name, script) => py.detach(move || match script.surface() {
-                Ok(surface) => Ok(Self::Script(name, script, surface)),
-                Err(why) => Err(PyValueError::new_err(format!("shader: {why}"))),
-            }),
-        }
-    }
-
-    /// As the scene has it.
-    fn put(self, stage: &mut Stage) -> Material {
-        match self {
-            Self::Material(material) => material,
-            Self::Script(name, script, surface) => {
-                Material::of(name, Surface::Shader(stage.add_script(script, surface)))
-            }
-        }
-    }
-}
-
-fn material_id(scene: &Description, material: usize) -> PyResult<MaterialId> {
-    let count = scene.materials().len();
-    match u32::try_from(material) {
-        Ok(id) if material < count => Ok(MaterialId(id)),
-        _ => {
-            Err(PyIndexError::new_err(format!("material: {material} is out of range; the scene has {count}")))
-        }
-    }
-}
-
 fn instance_id(scene: &Description, instance: usize) -> PyResult<InstanceId> {
     let count = scene.instances().len();
     match u32::try_from(instance) {
@@ -174,8 +135,7 @@ impl Scene {
         given.end()?;
         let material = Compiled::new(py, material)?;
         self.with(py, |stage| {
-            let material = material.put(stage);
-            textures::check(&material, stage.scene().textures().len())?;
+            let material = material.put(stage)?;
             Ok(stage.edit(|scene| scene.add_material(material.clone()).0))
         })
     }
@@ -187,9 +147,26 @@ impl Scene {
         let material = Compiled::new(py, material)?;
         self.with(py, |stage| {
             let id = material_id(stage.scene(), number)?;
-            let material = material.put(stage);
-            textures::check(&material, stage.scene().textures().len())?;
+            let material = material.put(stage)?;
             stage.edit(|scene| *scene.edit_material(id) = material.clone());
+            Ok(())
+        })
+    }
+
+    fn _add_medium(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
+        let mut given = Given::new(arguments);
+        let medium = media::medium(py, &mut given)?;
+        given.end()?;
+        Ok(self.with(py, |stage| stage.edit(|scene| scene.add_medium(medium.clone()).0)))
+    }
+
+    fn _set_medium(&self, py: Python<'_>, number: usize, arguments: &Bound<'_, PyDict>) -> PyResult<()> {
+        let mut given = Given::new(arguments);
+        let medium = media::medium(py, &mut given)?;
+        given.end()?;
+        self.with(py, |stage| {
+            let id = media::medium_id(stage.scene(), number)?;
+            stage.edit(|scene| *scene.edit_medium(id) = medium.clone());
             Ok(())
         })
     }
@@ -487,14 +464,4 @@ fn placed(stage: &mut Stage, described: DescribedMesh) -> PyResult<Vec<Arc<gnurt
         Arc::new(gnurt::scene::Mesh { material, ..mesh })
     };
     Ok(described.parts.into_iter().map(placed).collect())
-}
-
-/// The material of meshes that are given none.
-fn plain(scene: &mut Description) -> MaterialId {
-    const NAME: &str = "default";
-    let known = scene.materials().iter().position(|material| material.name == NAME);
-    known.map_or_else(
-        || scene.add_material(gnurt::scene::Material::matte(NAME, [0.8; 3])),
-        |number| MaterialId(number as u32),
-    )
 }

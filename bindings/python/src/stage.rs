@@ -18,6 +18,8 @@ use gnurt::{ThreadPool, camera_rays_along, named_camera_shader, put_named_shader
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::moments;
+
 /// How a scene is to be seen.
 pub(crate) struct View {
     pub(crate) camera: Aim,
@@ -44,6 +46,8 @@ pub(crate) struct View {
 pub(crate) struct MotionKeys {
     /// By numbers of instances.
     pub(crate) instances: Vec<(usize, Vec<Affine>)>,
+    /// Instances whose meshes move along their moments.
+    pub(crate) meshes: Vec<usize>,
     /// Of the camera that is used.
     pub(crate) cameras: Vec<Camera>,
 }
@@ -98,6 +102,8 @@ struct Shown {
     world: World,
     /// Whether it is posed at a time of a clip, which is no state to edit.
     is_posed: bool,
+    /// Meshes have the shapes of moments, and not their own.
+    is_bent: bool,
     /// Lights were added, for these.
     lit_for: Option<(Camera, bool)>,
     exposure: Option<f32>,
@@ -209,6 +215,9 @@ impl Stage {
         let camera_shader = self.camera_shader(view, number);
         let is_plain = matches!(view.integrator, Integrator::Eyelight | Integrator::Normals);
         let request = (camera.clone(), is_plain);
+        if self.shown.as_ref().is_some_and(|shown| shown.is_bent) {
+            self.shown = None;
+        }
         if self.shown.as_ref().is_some_and(|shown| shown.lit_for.as_ref().is_some_and(|lit| *lit != request))
         {
             self.shown = None;
@@ -342,6 +351,23 @@ impl Shown {
             self.is_posed = true;
         }
         exposure.instances.sort_by_key(|(id, _)| id.0);
+        for number in &motion.meshes {
+            if *number >= count {
+                return Err(PyIndexError::new_err(format!(
+                    "motion: instance {number} is out of range; the scene has {count}"
+                )));
+            }
+            let object = self.scene.instance(InstanceId(*number as u32)).object;
+            for id in self.scene.object(object).meshes.clone() {
+                let keys = moments::of(self.scene.mesh(id)).map_err(PyValueError::new_err)?;
+                if exposure.meshes.iter().all(|(known, _)| *known != id) {
+                    self.scene.replace_mesh(id, keys[0].clone());
+                    exposure.meshes.push((id, keys));
+                }
+            }
+            (self.is_posed, self.is_bent) = (true, true);
+        }
+        exposure.meshes.sort_by_key(|(id, _)| id.0);
         Ok(())
     }
 
@@ -364,6 +390,7 @@ impl Shown {
             scene,
             world: World::new(),
             is_posed: false,
+            is_bent: false,
             lit_for: note.map(|_| (camera, is_plain)),
             exposure: note.and_then(defaults::Note::exposure),
         }

@@ -305,3 +305,34 @@ def test_mattes():
     assert picture.matte("checkerboard", "material").max() == 1 and picture.matte("nothing").max() == 0
     with pytest.raises(KeyError, match="cryptomatte"):
         scene.render(8, 8).matte("red")
+
+
+def test_meshes_bend():
+    vertices, faces = cube()
+    normals = np.tile([0.0, 0, 1], (8, 1))
+
+    def shown(motion, **properties):
+        scene = gnurt.Scene()
+        red = scene.add_material("red", color=(0.8, 0.1, 0.1), kind="matte")
+        scene.add_mesh(vertices, faces, material=red, normals=normals, **properties)
+        scene.add_light("environment", radiance=1)
+        options = {"spp": 64, "camera": FRONT, "threads": 2}
+        return [np.asarray(scene.render(32, 24, motion=how, **options)) for how in (motion, None)]
+
+    shift = np.array([1.0, 0.5, 0])
+    places = [np.eye(4) for _ in range(3)]
+    places[1][:3, 3], places[2][:3, 3] = shift / 4, shift
+    keys = [vertices + place[:3, 3] for place in places]
+    bent, still = shown({"meshes": [0]}, moments={"vertices": keys, "normals": [normals] * 3})
+    moved, _ = shown({"instances": {0: places}})
+    assert np.abs(bent - moved).mean() < 0.01 and np.abs(bent - still).mean() > 0.05
+    # Without motion it has its own shape, also after it was bent.
+    assert np.allclose(still, shown(None)[0], atol=1e-5)
+    for motion, properties, message in (
+        ({"meshes": [7]}, {}, "instance 7 is out of range"),
+        ({"meshes": [0]}, {}, "has no moments"),
+        ({"meshes": [0]}, {"moments": {"vertices": keys}}, "normals at some moments"),
+        ({"meshes": "all"}, {}, "list of numbers"),
+    ):
+        with pytest.raises((ValueError, IndexError, TypeError), match=message):
+            shown(motion, **properties)

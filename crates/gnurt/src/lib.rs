@@ -117,4 +117,4 @@ pub use numbered::Numbered;
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;
 pub use threads::{JoinedPool, cores, thread_pool};
-pub use volumes::{Fog, VolumeFile};
+pub use volumes::{Fog, VolumeCells, VolumeFile, read_volume};

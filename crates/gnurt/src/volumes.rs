@@ -171,6 +171,13 @@ impl VolumeFile {
         Ok(file)
     }
 
+    /// A file by the names of its grids of density and of emission; the first name is by default "density", or that of the
+    /// first grid of one number.
+    #[must_use]
+    pub fn new(path: impl Into<PathBuf>, grid: Option<String>, glow: Option<String>) -> Self {
+        Self { path: path.into(), grid, glow, density: [1.0; 3], look: Look::default() }
+    }
+
     /// The file.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -182,8 +189,29 @@ impl VolumeFile {
     /// # Errors
     /// [`Error::Image`] or [`Error::Volume`] if there is no such grid; the scene stays as it was.
     pub fn add_to(&self, scene: &mut Scene) -> Result<MediumId, Error> {
+        let dense = self.cells()?;
+        let name = self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let medium = Medium {
+            name,
+            grid: Some(Arc::new(dense)),
+            extent: Extent::Free,
+            ..self.look.medium(self.density)
+        };
+        checked(&medium).map_err(|what| self.fault(&what))?;
+        Ok(scene.add_medium(medium))
+    }
+
+    fn fault(&self, what: &str) -> Error {
+        Error::Volume(format!("{}: {what}", self.path.display()))
+    }
+
+    /// Reads the cells round the active voxels of its grids.
+    ///
+    /// # Errors
+    /// As [`add_to`](Self::add_to).
+    pub fn cells(&self) -> Result<DensityGrid, Error> {
         let volume = Volume::read(&self.path, MOST_BYTES)?;
-        let fault = |what: String| Error::Volume(format!("{}: {what}", self.path.display()));
+        let fault = |what: String| self.fault(&what);
         let find = |name: &str| {
             let names: Vec<&str> = volume.grids().iter().map(Grid::name).collect();
             volume.grid(name).ok_or_else(|| fault(format!("no grid '{name}'; it has {}", names.join(", "))))
@@ -196,59 +224,112 @@ impl VolumeFile {
                 .ok_or_else(|| fault("it has no grid of one number".into()))?,
         };
         let glow = self.glow.as_deref().map(find).transpose()?;
-        let dense = dense(grid, glow).map_err(fault)?;
-        let name = self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let medium = Medium {
-            name,
-            grid: Some(Arc::new(dense)),
-            extent: Extent::Free,
-            ..self.look.medium(self.density)
-        };
-        checked(&medium).map_err(fault)?;
-        Ok(scene.add_medium(medium))
+        dense(grid, glow).map_err(fault)
+    }
+}
+
+/// The numbers of a grid of a file, in the cells of a box round its active voxels, with a rim of one cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VolumeCells {
+    /// The grid's name.
+    pub name: String,
+    /// Columns, rows and layers.
+    pub size: [u32; 3],
+    /// Numbers of a cell: 1 or 3.
+    pub channels: usize,
+    /// x first, then y, then z.
+    pub values: Vec<f32>,
+    /// From the unit cube, which the cells fill, to the file's world.
+    pub world_from_unit: Affine,
+}
+
+/// Reads the grids of a file of OpenVDB, or only those of some names. Grids without active voxels are left out.
+///
+/// # Errors
+/// [`Error::Image`] if the file cannot be read, [`Error::Volume`] if a grid has too many cells.
+pub fn read_volume(path: &Path, names: Option<&[String]>) -> Result<Vec<VolumeCells>, Error> {
+    let volume = Volume::read(path, MOST_BYTES)?;
+    let mut all = Vec::new();
+    let is_wanted = |grid: &&Grid| names.is_none_or(|names| names.iter().any(|name| name == grid.name()));
+    for grid in volume.grids().iter().filter(is_wanted) {
+        let Some(active) = grid.active() else { continue };
+        let fault = |what: String| Error::Volume(format!("{}: {what}", path.display()));
+        let place = Place::new(active).map_err(fault)?;
+        let mut values = place.room(grid.channels()).map_err(fault)?;
+        place.each(|at| values.extend_from_slice(&grid.voxel(at)[..grid.channels()]));
+        let (size, world_from_unit) = (place.size.map(|n| n as u32), place.world_from_unit(grid));
+        let (name, channels) = (grid.name().to_owned(), grid.channels());
+        all.push(VolumeCells { name, size, channels, values, world_from_unit });
+    }
+    Ok(all)
+}
+
+/// A box of voxels: the active ones of a grid, with a rim of one voxel.
+struct Place {
+    low: [i64; 3],
+    size: [u64; 3],
+    cells: u64,
+}
+
+impl Place {
+    fn new([first, last]: [[i32; 3]; 2]) -> Result<Self, String> {
+        let low = first.map(|i| i64::from(i) - 1);
+        let size: [u64; 3] = std::array::from_fn(|k| (i64::from(last[k]) + 1 - low[k] + 1) as u64);
+        let cells = size.iter().try_fold(1_u64, |cells, &n| cells.checked_mul(n));
+        let cells = cells.filter(|&cells| cells <= MOST_CELLS).ok_or_else(|| {
+            format!("{} x {} x {} cells are too many; at most {MOST_CELLS} are shown", size[0], size[1], size[2])
+        })?;
+        Ok(Self { low, size, cells })
+    }
+
+    /// Memory for some numbers of each cell.
+    fn room<T>(&self, numbers: usize) -> Result<Vec<T>, String> {
+        let mut room = Vec::new();
+        room.try_reserve_exact(self.cells as usize * numbers).map_err(|_| "too little memory is free")?;
+        Ok(room)
+    }
+
+    /// Visits the voxels, x first.
+    fn each(&self, mut visit: impl FnMut([i32; 3])) {
+        for z in 0..self.size[2] {
+            for y in 0..self.size[1] {
+                for x in 0..self.size[0] {
+                    visit(std::array::from_fn(|k| (self.low[k] + [x, y, z][k] as i64) as i32));
+                }
+            }
+        }
+    }
+
+    /// From the unit cube, which the box fills, to the file's world.
+    fn world_from_unit(&self, grid: &Grid) -> Affine {
+        let world = grid.index_from_world().inverse();
+        let column = |k: usize| world.matrix3.col(k).to_array();
+        let world_from_index =
+            Affine { columns: [column(0), column(1), column(2), world.translation.to_array()] };
+        let low = Affine::translation(self.low.map(|i| i as f64 - 0.5));
+        world_from_index * low * Affine::scale(self.size.map(|n| n as f64))
     }
 }
 
 /// The cells of a box around the active ones, with a rim of one cell.
 fn dense(grid: &Grid, glow: Option<&Grid>) -> Result<DensityGrid, String> {
-    let [first, last] = grid.active().ok_or("its grid has no active cell")?;
-    let low = first.map(|i| i64::from(i) - 1);
-    let size: [u64; 3] = std::array::from_fn(|k| (i64::from(last[k]) + 1 - low[k] + 1) as u64);
-    let cells = size.iter().try_fold(1_u64, |cells, &n| cells.checked_mul(n));
-    let cells = cells.filter(|&cells| cells <= MOST_CELLS).ok_or_else(|| {
-        format!("{} x {} x {} cells are too many; at most {MOST_CELLS} are shown", size[0], size[1], size[2])
-    })?;
-    let mut density = Vec::new();
-    density.try_reserve_exact(cells as usize).map_err(|_| "too little memory is free")?;
-    let mut emission = Vec::new();
-    if glow.is_some() {
-        emission.try_reserve_exact(cells as usize).map_err(|_| "too little memory is free")?;
-    }
-    let index_from_world = grid.index_from_world();
+    let place = Place::new(grid.active().ok_or("its grid has no active cell")?)?;
+    let sound = |x: f32| if x.is_finite() { x.max(0.0) } else { 0.0 };
+    let mut density = place.room(1)?;
+    let mut emission = if glow.is_some() { place.room(1)? } else { Vec::new() };
     // Both grids may have cells of their own.
-    let other = glow.map(|glow| glow.index_from_world() * index_from_world.inverse());
-    for z in 0..size[2] {
-        for y in 0..size[1] {
-            for x in 0..size[0] {
-                let at: [i32; 3] = std::array::from_fn(|k| (low[k] + [x, y, z][k] as i64) as i32);
-                let value = grid.voxel(at)[0];
-                density.push(if value.is_finite() { value.max(0.0) } else { 0.0 });
-                if let (Some(glow), Some(other)) = (glow, other) {
-                    let there = other.transform_point3(at.map(f64::from).into());
-                    let value = glow.voxel(there.to_array().map(|x| x.round() as i32));
-                    let value = if glow.channels() == 1 { [value[0]; 3] } else { value };
-                    emission.push(value.map(|x| if x.is_finite() { x.max(0.0) } else { 0.0 }));
-                }
-            }
+    let other = glow.map(|glow| (glow, glow.index_from_world() * grid.index_from_world().inverse()));
+    place.each(|at| {
+        density.push(sound(grid.voxel(at)[0]));
+        if let Some((glow, other)) = other {
+            let there = other.transform_point3(at.map(f64::from).into());
+            let value = glow.voxel(there.to_array().map(|x| x.round() as i32));
+            let value = if glow.channels() == 1 { [value[0]; 3] } else { value };
+            emission.push(value.map(sound));
         }
-    }
-    let world = index_from_world.inverse();
-    let column = |k: usize| world.matrix3.col(k).to_array();
-    let world_from_index =
-        Affine { columns: [column(0), column(1), column(2), world.translation.to_array()] };
-    let place = Affine::translation(low.map(|i| i as f64 - 0.5)) * Affine::scale(size.map(|n| n as f64));
-    let size = size.map(|n| n as u32);
-    Ok(DensityGrid { size, density, emission, world_from_unit: world_from_index * place })
+    });
+    let size = place.size.map(|n| n as u32);
+    Ok(DensityGrid { size, density, emission, world_from_unit: place.world_from_unit(grid) })
 }
 
 #[cfg(test)]

@@ -25,6 +25,7 @@ mod holdouts;
 mod integrators;
 mod job;
 mod layers;
+mod lobe_colors;
 mod log;
 mod many_lights;
 mod mattes;

@@ -17,6 +17,7 @@ use crate::film::TileFilm;
 use crate::holdouts;
 use crate::integrators;
 use crate::job::Job;
+use crate::lobe_colors;
 use crate::many_lights::interleave::{PatternTexels, Texel};
 use crate::many_lights::{self, PassLights};
 use crate::mattes;
@@ -76,7 +77,10 @@ impl<'a> Sampler<'a> {
         holdouts::hold_out(tracer, camera, &mut radiance);
         // A pixel shader's rays have lanes of their own.
         let veiled = std::mem::take(&mut tracer.veiled);
-        let ledger = tracer.wavefront.ledger.take();
+        let mut ledger = tracer.wavefront.ledger.take();
+        if let Some(ledger) = &mut ledger {
+            lobe_colors::fill(tracer, &self.job.options.light_layers, camera, &mut ledger.layers);
+        }
         let taken = if ledger.is_some() { radiance.clone() } else { Vec3s::default() };
         pixels::show(self.job, self.pass, tracer, &batch, &mut radiance);
         tracer.veiled = veiled;

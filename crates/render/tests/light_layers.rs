@@ -223,6 +223,74 @@ fn parts_have_their_own_parts() {
     }
 }
 
+/// Colours are what surfaces scatter of the same light from all sides.
+#[test]
+fn colors_are_those_of_a_furnace() {
+    let metal = Principled {
+        base_color: Color::constant([0.9, 0.6, 0.2]),
+        metallic: 1.0,
+        roughness: 0.5,
+        ..Principled::default()
+    };
+    let leaf = Principled {
+        metallic: 0.0,
+        roughness: 0.4,
+        diffuse_transmission: DiffuseTransmission { factor: 0.5, color: [0.2, 0.9, 0.1] },
+        ..Principled::default()
+    };
+    let glass = Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [1.0; 3],
+        transmittance: [0.9, 1.0, 0.9],
+        interior: Default::default(),
+    };
+    let frosted = Surface::RoughDielectric {
+        ior: 1.4,
+        roughness: 0.3,
+        reflectance: [1.0; 3],
+        transmittance: [0.5, 1.0, 1.0],
+        thin: true,
+        interior: Default::default(),
+    };
+    let half = Opacity { factor: 0.4, texture: None, channel: OpacityChannel::Alpha };
+    let there_in_part =
+        Material { alpha: Alpha::Blend { opacity: half }, ..Material::of("net", plastic([0.9, 0.1, 0.1])) };
+    let all = [
+        plastic_material("plastic"),
+        Material::matte("matte", [0.8, 0.5, 0.1]),
+        Material::of("metal", Surface::Principled(Box::new(metal))),
+        Material::of("leaf", Surface::Principled(Box::new(leaf))),
+        Material::of("glass", glass),
+        Material::of("frosted", frosted),
+        Material::of("mirror", Surface::Mirror { reflectance: Color::constant([0.9, 0.5, 0.3]) }),
+        there_in_part,
+    ];
+    for material in all {
+        let mut scene = Scene::new();
+        let name = material.name.clone();
+        let material = scene.add_material(material);
+        put_mesh(&mut scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], material));
+        scene.add_light(environment([1.0; 3]));
+        let world = world_of(&scene, false);
+        let camera = camera([0.0, -2.0, 3.0], [0.0, 0.0, 0.0], 20.0);
+        let kinds = ["diffuse", "glossy", "transmission"];
+        let mut layers = by(&["C<RD>B", "C<R[GS]>B", "CTB"]);
+        layers.extend(kinds.iter().filter_map(|kind| LightLayer::of_word(&format!("{kind}_color"))));
+        let options = layered(layers, 64);
+        let picture = render(&world, &camera, &options, &pool(2), &Silent).expect("sound").picture;
+        for (i, kind) in kinds.iter().enumerate() {
+            let mean = |name: &str| {
+                let light = light(&picture, name);
+                let sum = light.iter().fold([0.0; 3], |sum: [f32; 3], p| [0, 1, 2].map(|k| sum[k] + p[k]));
+                sum.map(|x| x / light.len() as f32)
+            };
+            let (found, expected) = (mean(&format!("{kind}_color")), mean(&format!("e{i}")));
+            let near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 0.03 * b + 0.003);
+            assert!(near, "{kind} of {name}: {found:?} instead of {expected:?}");
+        }
+    }
+}
+
 /// Light of paths with two edges equals a rendering with two edges.
 #[test]
 fn direct_light_is_that_of_short_paths() {

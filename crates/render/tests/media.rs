@@ -237,6 +237,27 @@ fn bodies_nest_and_overlap() {
     }
 }
 
+/// Bodies that add replace nothing: neither other bodies nor what is around.
+#[test]
+fn bodies_add() {
+    let mut scene = Scene::new();
+    lamp(&mut scene, [1.0; 3]);
+    scene.add_medium(Medium { absorption: [0.05; 3], extent: EVERYWHERE, ..Medium::default() });
+    // The third is whole, and has no other within it.
+    for (low, high, absorption, adds) in [(-2.0, 2.0, 0.1, true), (-1.0, 1.0, 1.0, true), (-0.5, 0.5, 0.3, false)] {
+        let medium = scene.add_medium(Medium { absorption: [absorption; 3], adds, ..Medium::default() });
+        let boundary = scene.add_material(Material::boundary("air", medium));
+        cube([low; 3], [high; 3], boundary).into_iter().for_each(|mesh| put_mesh(&mut scene, mesh));
+    }
+    let world = world_of(&scene, false);
+    let outside = seen(&world, [0.1, 0.2, -5.0], [0.1, 0.2, 9.0], &path(1, 2));
+    let expected: f64 = 0.05 * 14.0 + 0.1 * 4.0 + 1.0 * 2.0 + 0.3;
+    near(outside, [(-expected).exp(); 3], 1e-4, "from outside");
+    let within = seen(&world, [0.1, 0.2, 0.0], [0.1, 0.2, 9.0], &path(1, 2));
+    let expected: f64 = 0.05 * 9.5 + 0.1 * 2.0 + 1.0 + 0.3 * 0.5;
+    near(within, [(-expected).exp(); 3], 1e-4, "from within");
+}
+
 /// Shadow rays see media, and levels agree.
 #[test]
 fn lit_through_a_body_at_every_level() {

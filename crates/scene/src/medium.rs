@@ -27,6 +27,8 @@ pub struct Medium {
     pub grid: Option<Arc<DensityGrid>>,
     /// Where bodies overlap, the medium with the highest priority is there; of equal ones, the one that was entered last.
     pub priority: i32,
+    /// In bodies: it is there in addition to other media, whatever their priority; it replaces none.
+    pub adds: bool,
 }
 
 /// Where a medium is.
@@ -82,6 +84,7 @@ impl Default for Medium {
             extent: Extent::default(),
             grid: None,
             priority: 0,
+            adds: false,
         }
     }
 }

@@ -222,6 +222,8 @@ def portal(p):
 
 @node("EMISSION")
 def emission(p):
+    if p.code.host.masks:
+        return {}
     return {"Emission": ("closure color", f"({color_of(p)} * {p.f('Strength')}) * emission()")}
 
 
@@ -233,8 +235,7 @@ def background(p):
 @node("HOLDOUT")
 def holdout(p):
     p.code.host.holdout = True
-    p.warn("a holdout shader is black; use the holdout setting of the object")
-    return {"Holdout": ("closure color", "0")}
+    return {"Holdout": ("closure color", "emission()" if p.code.host.masks else "0 * emission()")}
 
 
 @node("MIX_SHADER")
@@ -258,12 +259,13 @@ def eevee_specular(p):
     roughness = share(p, "Roughness")
     alpha = p.var("float", f"{roughness} * {roughness}")
     top = f'generalized_schlick_bsdf({n}, vector(0), color(1), color(0), {alpha}, {alpha}, {specular}, color(1), 5.0, "ggx")'
-    return {"BSDF": ("closure color", f"layer({top}, {base} * diffuse({n})) + {color_of(p, 'Emissive Color')} * emission()")}
+    light = "" if p.code.host.masks else f" + {color_of(p, 'Emissive Color')} * emission()"
+    return {"BSDF": ("closure color", f"layer({top}, {base} * diffuse({n})){light}")}
 
 
 @node("VOLUME_ABSORPTION", "VOLUME_SCATTER", "PRINCIPLED_VOLUME", "VOLUME_COEFFICIENTS")
 def volume(p):
-    p.warn("volumes are not shown")
+    p.warn("a volume node at a surface is not shown")
     return {}
 
 
@@ -324,7 +326,7 @@ def principled(p):
         made = f'dielectric_bsdf({n}, {tangent}, min({tint}, color(1)), {through}, {along}, {across}, {ior}, "ggx"{film})'
         parts.append(f"((1.0 - {metal}) * {glass_share}) * {closure(p, made)}")
     whole = closure(p, " + ".join(parts))
-    if not (p.is_constant("Emission Strength", 0.0) or p.is_constant("Emission Color", 0.0)):
+    if not (p.code.host.masks or p.is_constant("Emission Strength", 0.0) or p.is_constant("Emission Color", 0.0)):
         light = p.var("color", f"max({p.c('Emission Color')}, color(0)) * {p.f('Emission Strength')}")
         whole = closure(p, f"{whole} + {light} * emission()")
     if not p.is_constant("Coat Weight", 0.0):

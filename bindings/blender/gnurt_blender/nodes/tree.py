@@ -304,7 +304,7 @@ def converted(code, expression, own, kind):
     if own == kind:
         return expression
     if kind == "closure color":
-        value = converted(code, expression, own, "color")
+        value = "color(0)" if code.host.masks else converted(code, expression, own, "color")
         return code.var("closure color", f"{value} * emission()")
     if own == "closure color":
         return "0.0" if kind == "float" else f"{kind}(0)"

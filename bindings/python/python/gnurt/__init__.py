@@ -2,9 +2,9 @@
 """Ray queries on triangle meshes: closest hits, all hits, crossings, inside or outside, distances. And pictures of scenes."""
 
 from ._gnurt import AllHits, Hits, Picture, RayScene as _RayScene, __version__
-from ._scene import Camera, Scene, load
+from ._scene import Camera, Scene, load, read_volume
 
-__all__ = ["AllHits", "Camera", "Hits", "Picture", "RayScene", "Scene", "__version__", "load"]
+__all__ = ["AllHits", "Camera", "Hits", "Picture", "RayScene", "Scene", "__version__", "load", "read_volume"]
 
 #: First bytes of a saved scene: of one by itself, and of one with others in it.
 _MAGIC = [b"GNURT ray scene 1\n", b"GNURT ray scene 2\n"]

@@ -5,9 +5,9 @@ from typing import Any, Self, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._scene import Camera as Camera, Scene as Scene, load as load
+from ._scene import Camera as Camera, Scene as Scene, load as load, read_volume as read_volume
 
-__all__ = ["AllHits", "Camera", "Hits", "Picture", "RayScene", "Scene", "__version__", "load"]
+__all__ = ["AllHits", "Camera", "Hits", "Picture", "RayScene", "Scene", "__version__", "load", "read_volume"]
 
 __version__: str
 

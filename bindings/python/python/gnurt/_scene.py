@@ -8,9 +8,9 @@ import sys
 import time
 import warnings
 
-from ._gnurt import Scene as _Scene
+from ._gnurt import Scene as _Scene, _read_volume
 
-__all__ = ["Camera", "Scene", "load"]
+__all__ = ["Camera", "Scene", "load", "read_volume"]
 
 #: Reading and rendering, at the level INFO. Warnings are Python's: `logging.captureWarnings(True)` logs them, too.
 _log = logging.getLogger("gnurt")
@@ -69,6 +69,8 @@ class Scene(_Scene):
         diffuse_transmission, attenuation_color, attenuation_distance, dispersion, scatter_color, scatter_anisotropy,
         subsurface, subsurface_radius, subsurface_anisotropy, ...), "matte", "mirror" or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
 
+        medium=NUMBER of `add_medium` fills closed meshes of the material; kind="boundary" with it is a surface that is not seen.
+
         Textures are numbers of `add_texture`, or (number, (a, b, c, d, e, f)) for u' = a u + c v + e, v' = b u + d v + f. They are color_texture,
         metallic_roughness_texture, normal_texture (normal_scale), emission_texture, opacity_texture (opacity_channel, opacity_cutoff),
         bump_texture (bump_height), anisotropy_texture; of layers specular, specular_color, clearcoat, clearcoat_roughness, clearcoat_normal,
@@ -86,6 +88,26 @@ class Scene(_Scene):
         """Puts another material in the place of one."""
         self._set_material(material, {"name": name, **properties})
         _warn(self._progress())
+
+    def add_medium(self, name="", **properties):
+        """The number of a new medium: fog, smoke, milk.
+
+        absorption and scattering are coefficients, 1 over world units, emission is the radiance of infinitely much of it that only absorbs:
+        three numbers or one each. Directions of scattered light: anisotropy, second_anisotropy, second_share, after Henyey and Greenstein.
+
+        extent="bodies" is within closed meshes whose materials have medium=NUMBER; where they overlap, the highest priority is there,
+        and all those with adds=True in addition.
+        "around" is outside of these, in a ball of centre and radius, which is infinite without them.
+
+        density (x, y, z) multiplies the coefficients in the cells of the unit cube, emission_grid (x, y, z) or (x, y, z, 3) the emission;
+        transform takes the cube to the world. Or file=FILE of OpenVDB, with the names grid="density" and emission_grid; transform takes its world
+        to that of the scene. Such media have extent="free": the box of their grid, in addition to others.
+        """
+        return self._add_medium({"name": name, **properties})
+
+    def set_medium(self, medium, name="", **properties):
+        """Puts another medium in the place of one."""
+        self._set_medium(medium, {"name": name, **properties})
 
     def add_texture(self, source, *, name=None, colorspace="srgb", wrap="repeat", filter="linear"):
         """The number of a new texture. `source` is a file, or an array (height, width) or (height, width, 1 to 4), upper row first: bytes
@@ -114,12 +136,15 @@ class Scene(_Scene):
         face_materials=None,
         transform=None,
         rays=None,
+        moments=None,
     ):
         """The number of a new mesh, put in its place. Takes meshes of trimesh and of Open3D, too: shapes and vertex colours.
 
         normals, texcoords, tangents, colors and the arrays in attributes={name: array} have a row for each vertex, (n, width), or for each
         corner, (m, 3, width); those in face_attributes have one for each triangle. material is a number, or several, of which
         face_materials (m,) gives each triangle one. rays lists the kinds that see it: "camera", "shadow", "other". transform, name.
+
+        moments={"vertices": arrays, "normals": arrays} are its shapes at times evenly spaced while the shutter is open, for motion={"meshes": ...}.
         """
         given = {
             "name": name,
@@ -134,7 +159,7 @@ class Scene(_Scene):
             "transform": transform,
             "rays": rays,
         }
-        return self._add_mesh(_mesh(vertices, faces, given))
+        return self._add_mesh(_mesh(vertices, faces, given, moments))
 
     def add_curves(
         self,
@@ -218,6 +243,7 @@ class Scene(_Scene):
         face_attributes=None,
         material=None,
         face_materials=None,
+        moments=None,
     ):
         """Replaces the mesh of an instance, and so of all its instances. Arguments as of `add_mesh`, without
         transform and rays, which `update` changes."""
@@ -232,7 +258,7 @@ class Scene(_Scene):
             "material": material,
             "face_materials": face_materials,
         }
-        self._set_mesh(instance, _mesh(vertices, faces, given))
+        self._set_mesh(instance, _mesh(vertices, faces, given, moments))
 
     def add_instance(self, instance, transform):
         """The number of a new instance of the mesh of `instance`."""
@@ -291,7 +317,8 @@ class Scene(_Scene):
         light_groups=True adds a layer for each light group, which `Picture.relight` mixes.
         camera_shader=FILE or source text in the shading language, with camera_parameters={name: value}, makes the rays where the
         camera stands; pixel_shader and pixel_parameters compute pixels.
-        motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at times evenly spaced.
+        motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at times evenly spaced;
+        "meshes": [number, ...] moves the vertices of instances whose meshes have moments.
         `progress` is True, or called with the share that is done."""
         begun = time.monotonic()
         with _told(progress) as tell:
@@ -332,12 +359,22 @@ def load(source):
     return scene
 
 
+def read_volume(path, names=None):
+    """The grids of a file of OpenVDB by their names, or those of some names: an array (x, y, z), or (x, y, z, 3), with the active voxels and a rim around them, and the
+    matrix from the unit cube, which the array fills, to the world. `Scene.add_medium` takes both. Grids without active voxels are left out.
+    """
+    return _read_volume(os.fspath(path), names)
+
+
 def _texture(source, name, colorspace, wrap, filter):
     return {"source": source, "name": name, "colorspace": colorspace, "wrap": wrap, "filter": filter}
 
 
-def _mesh(vertices, faces, properties):
-    """Arguments of a mesh, others' meshes taken apart."""
+def _mesh(vertices, faces, properties, moments=None):
+    """Arguments of a mesh, others' meshes taken apart; shapes at moments are attributes of it."""
+    if moments:
+        keys = {f"gnurt:{name}:{k}": array for name in ("vertices", "normals") for k, array in enumerate(moments.get(name) or ())}
+        properties = {**properties, "attributes": {**(properties.get("attributes") or {}), **keys}}
     if faces is None:
         vertices, faces, found = _arrays(vertices)
         if properties.get("colors") is None:

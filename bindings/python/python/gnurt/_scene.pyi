@@ -3,11 +3,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, Self
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import Picture
 
-__all__ = ["Camera", "Scene", "load"]
+__all__ = ["Camera", "Scene", "load", "read_volume"]
 
 class Camera:
     eye: tuple[float, ...]
@@ -47,6 +48,8 @@ class Scene:
     def cameras(self) -> list[Camera]: ...
     def add_material(self, name: str = "", **properties: Any) -> int: ...
     def set_material(self, material: int, name: str = "", **properties: Any) -> None: ...
+    def add_medium(self, name: str = "", **properties: Any) -> int: ...
+    def set_medium(self, medium: int, name: str = "", **properties: Any) -> None: ...
     def add_texture(
         self,
         source: str | PathLike[str] | ArrayLike,
@@ -82,6 +85,7 @@ class Scene:
         face_materials: ArrayLike | None = None,
         transform: ArrayLike | None = None,
         rays: Sequence[str] | None = None,
+        moments: Mapping[str, Sequence[ArrayLike]] | None = None,
     ) -> int: ...
     def add_curves(
         self,
@@ -128,6 +132,7 @@ class Scene:
         face_attributes: Mapping[str, ArrayLike] | None = None,
         material: int | Sequence[int] | None = None,
         face_materials: ArrayLike | None = None,
+        moments: Mapping[str, Sequence[ArrayLike]] | None = None,
     ) -> None: ...
     def add_instance(self, instance: int, transform: ArrayLike) -> int: ...
     def update(
@@ -178,3 +183,6 @@ class Scene:
     ) -> Iterator[Picture]: ...
 
 def load(source: str | PathLike[str]) -> Scene: ...
+def read_volume(
+    path: str | PathLike[str], names: Sequence[str] | None = None
+) -> dict[str, tuple[NDArray[np.float32], NDArray[np.float64]]]: ...

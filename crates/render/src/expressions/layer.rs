@@ -28,6 +28,21 @@ const WORDS: [(&str, &str); 15] = [
     ("emission", "C[LO]"),
 ];
 const ENVIRONMENT: (&str, &str) = ("environment", "CB");
+/// Expressions of colours of scattering at visible surfaces: light 1 from all sides, W, without shadows. With the expression of
+/// the same scattering of the environment's light, and the parts of `Bsdf::albedo_parts` that count.
+const COLORS: [(&str, &str, [bool; 4]); 8] = [
+    ("C<RD>W", "C<RD>B", [true, false, false, false]),
+    ("C<R[GS]>W", "C<R[GS]>B", [false, true, false, false]),
+    ("CTW", "CTB", [false, false, true, true]),
+    ("C<TD>W", "C<TD>B", [false, false, true, false]),
+    ("C<T[GS]>W", "C<T[GS]>B", [false, false, false, true]),
+    ("CRW", "CRB", [true, true, false, false]),
+    ("C<.D>W", "C<.D>B", [true, false, true, false]),
+    ("C[RT]W", "C[RT]B", [true; 4]),
+];
+/// Words for some of them.
+const COLOR_WORDS: [(&str, &str); 3] =
+    [("diffuse_color", COLORS[0].0), ("glossy_color", COLORS[1].0), ("transmission_color", COLORS[2].0)];
 
 /// What layers of light groups are called: this, and the group.
 pub const GROUP_PREFIX: &str = "light.";
@@ -56,14 +71,28 @@ impl LightLayer {
 
     /// Words for layers, such as `direct`.
     pub fn words() -> impl Iterator<Item = &'static str> {
-        WORDS.iter().chain([&ENVIRONMENT]).map(|(word, _)| *word)
+        WORDS.iter().chain([&ENVIRONMENT]).chain(&COLOR_WORDS).map(|(word, _)| *word)
+    }
+
+    fn known_color(&self) -> Option<&'static (&'static str, &'static str, [bool; 4])> {
+        COLORS.iter().find(|(expression, ..)| *expression == self.expression)
+    }
+
+    /// The parts of [`albedo_parts`](gnurt_shading::bsdf::Bsdf::albedo_parts) that it shows in place of light.
+    pub(crate) fn color(&self) -> Option<[bool; 4]> {
+        self.known_color().map(|(_, _, parts)| *parts)
+    }
+
+    /// The expression of paths, also of a colour, whose light is replaced.
+    pub(super) fn of_paths(&self) -> &str {
+        self.known_color().map_or(&self.expression[..], |(_, expression, _)| expression)
     }
 
     /// The layer of a word.
     #[must_use]
     pub fn of_word(word: &str) -> Option<Self> {
-        let found = WORDS.iter().chain([&ENVIRONMENT]).find(|(known, _)| *known == word);
-        found.map(|&(name, expression)| Self { name: name.into(), expression: expression.into() })
+        let mut all = WORDS.iter().chain([&ENVIRONMENT]).chain(&COLOR_WORDS);
+        all.find(|(known, _)| *known == word).map(|&(name, expression)| Self { name: name.into(), expression: expression.into() })
     }
 
     /// All light of a light group; of a light, if it has this name.
@@ -89,7 +118,7 @@ impl LightLayer {
 pub(crate) fn labels_of(layers: &[LightLayer]) -> Result<Vec<String>, ExpressionError> {
     let mut labels = Vec::new();
     for layer in layers {
-        labels_in(&parse(&layer.expression)?, &mut labels);
+        labels_in(&parse(layer.of_paths())?, &mut labels);
     }
     labels.sort_unstable();
     labels.dedup();
@@ -106,7 +135,7 @@ pub(crate) fn check(layers: &[LightLayer]) -> Result<(), ExpressionError> {
     if layers.len() > MOST_LAYERS {
         return Err(fault(format!("{} layers of light; at most {MOST_LAYERS}", layers.len())));
     }
-    let expressions: Vec<&str> = layers.iter().map(|layer| &layer.expression[..]).collect();
+    let expressions: Vec<&str> = layers.iter().map(LightLayer::of_paths).collect();
     Automaton::new(&expressions, &Alphabet::new(labels, vec![0], vec![0])).map(drop)
 }
 

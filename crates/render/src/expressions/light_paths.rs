@@ -19,7 +19,7 @@ impl LightPaths {
     /// For these layers of pictures of a world.
     pub(crate) fn new(world: &World, layers: &[LightLayer]) -> Result<Self, ExpressionError> {
         let (classes, alphabet) = Classes::of(world, labels_of(layers)?);
-        let expressions: Vec<&str> = layers.iter().map(|layer| &layer.expression[..]).collect();
+        let expressions: Vec<&str> = layers.iter().map(LightLayer::of_paths).collect();
         Ok(Self { automaton: Automaton::new(&expressions, &alphabet)?, classes })
     }
 }

@@ -26,6 +26,8 @@ pub(crate) struct MediumEntry {
     pub(crate) emission: Vec3,
     pub(crate) phase: Phase<f32>,
     priority: i32,
+    /// Of bodies: in addition to others.
+    adds: bool,
     pub(crate) grid: Option<Arc<Grid>>,
     /// Centre and radius of a ball that bounds it.
     pub(crate) ball: Option<(Vec3, f32)>,
@@ -125,11 +127,13 @@ impl Media {
     /// The numbers of all media at a point of a body, or outside: those that add to it included.
     pub(crate) fn at(&self, inside: Inside) -> impl Iterator<Item = u16> + '_ {
         // Of equals the one that was entered last.
-        let body = inside.numbers().reduce(|best, other| {
+        let replacing = inside.numbers().filter(|&body| !self.get(body).adds);
+        let body = replacing.reduce(|best, other| {
             if self.get(other).priority > self.get(best).priority { other } else { best }
         });
         let base = body.unwrap_or(self.around);
-        (base != 0).then_some(base).into_iter().chain(self.free.iter().copied())
+        let adding = inside.numbers().filter(|&body| self.get(body).adds);
+        (base != 0).then_some(base).into_iter().chain(adding).chain(self.free.iter().copied())
     }
 }
 
@@ -166,6 +170,7 @@ fn entry(medium: &Medium, before: &Media) -> MediumEntry {
             second_share: phase.second_share,
         },
         priority: medium.priority,
+        adds: medium.adds,
         grid: grid.map(|grid| same(grid).unwrap_or_else(|| Arc::new(Grid::new(grid)))),
         ball: match medium.extent {
             Extent::Around { centre, radius } if radius.is_finite() => Some((Vec3::from(centre), radius)),

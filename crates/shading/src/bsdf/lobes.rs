@@ -156,6 +156,22 @@ impl Lobes {
         self
     }
 
+    /// What of the lobes stays on the side that light came from; hair counts whole.
+    #[must_use]
+    pub fn reflecting(mut self) -> Self {
+        for lobe in self.as_mut_slice() {
+            match lobe.kind {
+                Kind::Translucent => lobe.weight = Vec3::ZERO,
+                Kind::SchlickGlass if lobe.spread < 0.0 => lobe.weight = Vec3::ZERO,
+                Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane | Kind::Beckmann => {
+                    lobe.b = Vec3::ZERO;
+                }
+                _ => {}
+            }
+        }
+        self
+    }
+
     /// The albedo, if it is only Lambert's reflector around the point's normal.
     #[must_use]
     pub fn lambertian(&self) -> Option<Vec3> {

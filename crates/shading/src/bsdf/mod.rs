@@ -214,6 +214,17 @@ impl Bsdf {
         self.prepared(wo).albedo().into()
     }
 
+    /// The same in four parts: diffuse reflection, other reflection, diffuse transmission, other transmission.
+    #[must_use]
+    pub fn albedo_parts(&self, wo: Vec3) -> [Vec3; 4] {
+        let of = |lobes: Lobes| Self { lobes, normal: self.normal, medium: self.medium }.albedo(wo);
+        let reflected = of(self.lobes.clone().reflecting());
+        let diffuse = of(self.lobes.clone().filtered(|lobe| lobe.kind.is_wide() && !lobe.kind.goes_through()));
+        let beyond = of(self.lobes.clone().filtered(|lobe| lobe.kind == Kind::Translucent));
+        let part = |whole: Vec3, less: Vec3| (whole - less).max(Vec3::ZERO);
+        [diffuse, part(reflected, diffuse), beyond, part(self.albedo(wo), reflected + beyond)]
+    }
+
     /// The albedo of a point that scatters alike to all sides, and does nothing else.
     #[must_use]
     pub fn lambertian(&self) -> Option<Vec3> {
