@@ -211,8 +211,7 @@ fn scatter_lanes<W: Width>(
     let draws = width.draws(options.seed, &vertices.keys[first..], &edges);
     let error = p.abs().max_element() * ERROR_SCALE;
     if !lights.is_empty() {
-        let [x, y] = W::pair(draws, purpose::LIGHT_POSITION);
-        let [choice, _] = W::pair(draws, purpose::LIGHT_CHOICE);
+        let [x, y, choice] = W::triple(draws, purpose::LIGHT_POSITION);
         // From all sides.
         let light = width.lights(lights, [there, there], [p, along], [choice, x, y]);
         let pdf = phase.value(along.dot(light.dir));
@@ -248,8 +247,8 @@ fn scatter_lanes<W: Width>(
             }
         }
     }
-    let [x, y] = W::pair(draws, purpose::DIRECTION);
-    let [choice, survival] = W::pair(draws, purpose::CHOICE);
+    let [x, y, choice] = W::triple(draws, purpose::DIRECTION);
+    let [_, survival] = W::pair(draws, purpose::CHOICE);
     let (dir, pdf) = phase.sample(along, [choice, x, y]);
     let mut long = 0;
     for (i, &edges) in edges.iter().enumerate().take(lanes) {

@@ -280,8 +280,7 @@ fn scatter<W: Width>(
     if !lights.is_empty() {
         let requests_light = there & prepared.is_smooth();
         if W::R::any(requests_light) {
-            let [x, y] = W::pair(draws, purpose::LIGHT_POSITION);
-            let [choice, _] = W::pair(draws, purpose::LIGHT_CHOICE);
+            let [x, y, choice] = W::triple(draws, purpose::LIGHT_POSITION);
             let light = width.lights(lights, [requests_light, translucent], [at.p, at.ns], [choice, x, y]);
             let (value, pdf) = prepared.eval_pdf(light.dir);
             let lit = requests_light & light.found & !value.is_zero() & !light.radiance.is_zero();
@@ -347,8 +346,8 @@ fn scatter<W: Width>(
             }
         }
     }
-    let [x, y] = W::pair(draws, purpose::DIRECTION);
-    let [choice, survival] = W::pair(draws, purpose::CHOICE);
+    let [x, y, choice] = W::triple(draws, purpose::DIRECTION);
+    let [_, survival] = W::pair(draws, purpose::CHOICE);
     let chosen = prepared.sample([choice, x, y]);
     let mut cone = None;
     if !points.footprint.is_empty() {

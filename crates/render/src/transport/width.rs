@@ -32,6 +32,8 @@ pub(crate) trait Width: Copy {
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Self::Draws;
     /// The pair for a purpose.
     fn pair(draws: Self::Draws, purpose: u32) -> [Self::R; 2];
+    /// The triple for a purpose: see [`Draws::triple`].
+    fn triple(draws: Self::Draws, purpose: u32) -> [Self::R; 3];
     /// Lights for the points in the first of two masks, at the first of two vectors; they face the second, and those in the second
     /// mask face all sides.
     fn lights(
@@ -77,6 +79,10 @@ impl Width for One {
         draws.pair(purpose)
     }
 
+    fn triple(draws: Draws, purpose: u32) -> [f32; 3] {
+        draws.triple(purpose)
+    }
+
     fn lights(
         self,
         lights: &LightSet,
@@ -117,6 +123,11 @@ impl<S: Simd> Width for Sixteen<S> {
     #[inline(always)]
     fn pair(draws: DrawsX16<S>, purpose: u32) -> [f32x16<S>; 2] {
         draws.pair(purpose)
+    }
+
+    #[inline(always)]
+    fn triple(draws: DrawsX16<S>, purpose: u32) -> [f32x16<S>; 3] {
+        draws.triple(purpose)
     }
 
     #[inline(always)]

@@ -19,8 +19,6 @@ pub mod purpose {
     pub const CHOICE: u32 = 2;
     /// Position on the chosen light.
     pub const LIGHT_POSITION: u32 = 3;
-    /// Choice between lights.
-    pub const LIGHT_CHOICE: u32 = 4;
     /// Whether a surface that is there in part is met.
     pub const COVERAGE: u32 = 5;
     /// Position on the camera's lens.
@@ -68,6 +66,37 @@ impl Draws {
         let [x, y] = sobol(index);
         [owen_scramble(x, hash_combine(set, 1)), owen_scramble(y, hash_combine(set, 2))].map(unit_interval)
     }
+
+    /// The same pair, and a third number: samples whose third number is in one half, or quarter, are stratified as pairs
+    /// too. For a choice, and for what is drawn after it.
+    #[must_use]
+    #[inline]
+    pub fn triple(self, purpose: u32) -> [f32; 3] {
+        let [x, y] = self.pair(purpose);
+        let set = hash_combine(self.set, purpose);
+        let index = owen_scramble(self.sample, set);
+        let turned = THIRD.iter().enumerate().fold(0, |sum, (k, &column)| sum ^ (index >> k & 1) * column);
+        [x, y, unit_interval(owen_scramble(turned.reverse_bits(), hash_combine(set, 3)))]
+    }
+}
+
+/// Columns of the third dimension's matrix, bit-reversed.
+pub(super) const THIRD: [u32; 32] = third_dimension();
+
+/// Of the polynomial x² + x + 1 with the first numbers 1 and 3 \[JK08\].
+const fn third_dimension() -> [u32; 32] {
+    let mut m = [0_u64; 32];
+    (m[0], m[1]) = (1, 3);
+    let mut columns = [0; 32];
+    let mut k = 0;
+    while k < 32 {
+        if k >= 2 {
+            m[k] = (2 * m[k - 1]) ^ (4 * m[k - 2]) ^ m[k - 2];
+        }
+        columns[k] = ((m[k] << (31 - k)) as u32).reverse_bits();
+        k += 1;
+    }
+    columns
 }
 
 /// Point `index` of the two-dimensional Sobol' sequence, as fractions of 2^32.
@@ -129,6 +158,28 @@ mod tests {
                         occupied[cell as usize] = true;
                     }
                 }
+            }
+        }
+    }
+
+    /// Any aligned block of samples has as many third numbers in each half, quarter and so on; and each half of them is
+    /// stratified in the other two numbers.
+    #[test]
+    fn choices_leave_stratified_pairs() {
+        for pixel in [0, 1, 77] {
+            let points: Vec<_> = (64..128).map(|s| Draws::new(9, key(pixel, s), 2).triple(5)).collect();
+            for log in 0..=6 {
+                let mut counts = vec![0; 1 << log];
+                points.iter().for_each(|[_, _, z]| counts[(z * (1 << log) as f32) as usize] += 1);
+                assert!(counts.iter().all(|&n| n == 64 >> log), "third numbers: {counts:?}");
+            }
+            for (half, columns) in [(0, 4), (1, 4), (0, 16), (1, 16), (0, 1), (1, 1)] {
+                let mut counts = [0; 16];
+                for [x, y, _] in points.iter().filter(|[_, _, z]| (z * 2.0) as u32 == half) {
+                    let rows = 16 / columns;
+                    counts[(y * rows as f32) as usize * columns + (x * columns as f32) as usize] += 1;
+                }
+                assert_eq!(counts, [2; 16], "half {half}, {columns} columns");
             }
         }
     }

@@ -7,6 +7,7 @@
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
 use super::hash::mix;
+use super::sobol::THIRD;
 use crate::batch::SampleKey;
 use crate::lanes::{Floats, LANES, UInts};
 
@@ -40,6 +41,19 @@ impl<S: Simd> DrawsX16<S> {
         // The shuffled number of the sample.
         let index = reverse(owen(self.sample + set));
         [scrambled(index, set, 1), scrambled(second_dimension(index), set, 2)]
+    }
+
+    /// The same pair and a third number: see [`Draws::triple`](super::Draws::triple).
+    #[inline(always)]
+    #[must_use]
+    pub fn triple(self, purpose: u32) -> [Floats<S>; 3] {
+        let set = combine_known(self.set, purpose);
+        let index = reverse(owen(self.sample + set));
+        let mut third = index & 0;
+        for (k, column) in THIRD.into_iter().enumerate() {
+            third ^= ((index >> k as u32) & 1) * column;
+        }
+        [scrambled(index, set, 1), scrambled(second_dimension(index), set, 2), scrambled(third, set, 3)]
     }
 }
 
@@ -148,6 +162,18 @@ mod tests {
         std::array::from_fn(|i| [light, direction, choice].map(|pair| pair.map(|numbers| numbers[i])))
     }
 
+    #[inline(always)]
+    fn triples_in_lanes<S: Simd>(
+        simd: S,
+        seed: u64,
+        keys: &[SampleKey; LANES],
+        depth: u32,
+    ) -> [[f32; 3]; LANES] {
+        let draws = DrawsX16::new(simd, seed, key_values(simd, keys), u32x16::splat(simd, depth));
+        let triple = draws.triple(purpose::DIRECTION);
+        std::array::from_fn(|i| triple.map(|numbers| numbers[i]))
+    }
+
     #[test]
     fn the_same_numbers() {
         for round in 0..64_u32 {
@@ -162,11 +188,14 @@ mod tests {
             });
             let found =
                 dispatch_wide!(Level::default(), simd => in_lanes(simd, seed, &keys, depth), else return);
-            for (key, found) in keys.into_iter().zip(found) {
+            let triples = dispatch_wide!(Level::default(), simd => triples_in_lanes(simd, seed, &keys, depth), else return);
+            for (number, (key, found)) in keys.into_iter().zip(found).enumerate() {
                 let draws = Draws::new(seed, key, depth);
                 let expected =
                     [purpose::LIGHT_POSITION, purpose::DIRECTION, purpose::CHOICE].map(|p| draws.pair(p));
                 assert_eq!(found, expected, "{key:?}");
+                let three = draws.triple(purpose::DIRECTION);
+                assert_eq!((&three[..2], triples[number]), (&expected[1][..], three), "{key:?}");
             }
             let some = &keys[..1 + round as usize % LANES];
             let mut pairs = vec![[7.0; 2]];
