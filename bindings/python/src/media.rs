@@ -108,7 +108,8 @@ fn grid(py: Python<'_>, given: &mut Given) -> PyResult<Option<DensityGrid>> {
             let path: PathBuf =
                 file.extract().map_err(|_| PyTypeError::new_err("file: expected the path of a file"))?;
             let glow = glow.map(|glow| glow.extract::<String>()).transpose();
-            let glow = glow.map_err(|_| PyTypeError::new_err("emission_grid: expected a name of the file"))?;
+            let glow =
+                glow.map_err(|_| PyTypeError::new_err("emission_grid: expected a name of the file"))?;
             let file = VolumeFile::new(path, name, glow);
             let mut found = py.detach(|| file.cells()).map_err(|error| volume_error(&error))?;
             found.world_from_unit = place * found.world_from_unit;
@@ -167,7 +168,9 @@ fn numbers(name: &str, flat: &Bound<'_, PyAny>) -> PyResult<Vec<f32>> {
     let rows = Rows::<f32>::new(&flat)?;
     let values = rows.as_ref().map(Rows::all).unwrap_or_default();
     match values.iter().find(|x| !(x.is_finite() && **x >= 0.0)) {
-        Some(bad) => Err(PyValueError::new_err(format!("{name}: expected finite numbers from 0 on, not {bad}"))),
+        Some(bad) => {
+            Err(PyValueError::new_err(format!("{name}: expected finite numbers from 0 on, not {bad}")))
+        }
         None => Ok(values.to_vec()),
     }
 }
@@ -180,7 +183,8 @@ pub(crate) fn _read_volume<'py>(
     path: PathBuf,
     names: Option<Vec<String>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| gnurt::read_volume(&path, names.as_deref())).map_err(|error| volume_error(&error))?;
+    let found =
+        py.detach(|| gnurt::read_volume(&path, names.as_deref())).map_err(|error| volume_error(&error))?;
     let all = PyDict::new(py);
     for VolumeCells { name, size, channels, values, world_from_unit } in found {
         if all.contains(&name)? {
@@ -192,7 +196,9 @@ pub(crate) fn _read_volume<'py>(
         let array = array.done().into_bound(py);
         let array = match channels {
             1 => array.call_method1("reshape", (z, y, x))?.call_method1("transpose", (2, 1, 0))?,
-            _ => array.call_method1("reshape", (z, y, x, channels))?.call_method1("transpose", (2, 1, 0, 3))?,
+            _ => {
+                array.call_method1("reshape", (z, y, x, channels))?.call_method1("transpose", (2, 1, 0, 3))?
+            }
         };
         let [a, b, c, d] = world_from_unit.columns;
         let row = |k: usize| [a[k], b[k], c[k], d[k]];

@@ -277,7 +277,10 @@ impl Place {
         let size: [u64; 3] = std::array::from_fn(|k| (i64::from(last[k]) + 1 - low[k] + 1) as u64);
         let cells = size.iter().try_fold(1_u64, |cells, &n| cells.checked_mul(n));
         let cells = cells.filter(|&cells| cells <= MOST_CELLS).ok_or_else(|| {
-            format!("{} x {} x {} cells are too many; at most {MOST_CELLS} are shown", size[0], size[1], size[2])
+            format!(
+                "{} x {} x {} cells are too many; at most {MOST_CELLS} are shown",
+                size[0], size[1], size[2]
+            )
         })?;
         Ok(Self { low, size, cells })
     }

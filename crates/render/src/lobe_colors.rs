@@ -29,12 +29,7 @@ struct Rest {
 }
 
 /// Replaces the light of those layers that are colours.
-pub(crate) fn fill(
-    tracer: &mut BatchTracer,
-    layers: &[LightLayer],
-    camera: HitLanes,
-    light: &mut [Vec3s],
-) {
+pub(crate) fn fill(tracer: &mut BatchTracer, layers: &[LightLayer], camera: HitLanes, light: &mut [Vec3s]) {
     let wanted: Vec<(usize, [bool; 4])> =
         layers.iter().enumerate().filter_map(|(layer, of)| Some((layer, of.color()?))).collect();
     if wanted.is_empty() {
@@ -43,7 +38,8 @@ pub(crate) fn fill(
     wanted.iter().for_each(|&(layer, _)| light[layer].reset(camera.keys.len(), Vec3::ZERO));
     let mut add = |lane: usize, share: f32, parts: [Vec3; 4]| {
         for (layer, counts) in &wanted {
-            let color: Vec3 = parts.iter().zip(counts).filter(|(_, counts)| **counts).map(|(part, _)| *part).sum();
+            let color: Vec3 =
+                parts.iter().zip(counts).filter(|(_, counts)| **counts).map(|(part, _)| *part).sum();
             light[*layer].add(lane, color * share);
         }
     };

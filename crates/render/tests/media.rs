@@ -244,7 +244,9 @@ fn bodies_add() {
     lamp(&mut scene, [1.0; 3]);
     scene.add_medium(Medium { absorption: [0.05; 3], extent: EVERYWHERE, ..Medium::default() });
     // The third is whole, and has no other within it.
-    for (low, high, absorption, adds) in [(-2.0, 2.0, 0.1, true), (-1.0, 1.0, 1.0, true), (-0.5, 0.5, 0.3, false)] {
+    for (low, high, absorption, adds) in
+        [(-2.0, 2.0, 0.1, true), (-1.0, 1.0, 1.0, true), (-0.5, 0.5, 0.3, false)]
+    {
         let medium = scene.add_medium(Medium { absorption: [absorption; 3], adds, ..Medium::default() });
         let boundary = scene.add_material(Material::boundary("air", medium));
         cube([low; 3], [high; 3], boundary).into_iter().for_each(|mesh| put_mesh(&mut scene, mesh));

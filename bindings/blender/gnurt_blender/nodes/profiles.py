@@ -46,8 +46,22 @@ class Profile:
             h = np.where(h > 90, 180 - h, h)
         elif last == 180:
             h = np.where(h > 180, 360 - h, h)
-        rows = np.array([np.interp(v, self.vertical, row, left=0.0, right=0.0) for row in self.candelas])
-        return np.array([np.interp(h, self.horizontal, rows[:, k]) for k in range(len(v))])
+        inside = (v >= self.vertical[0]) & (v <= self.vertical[-1])
+        rows = np.where(inside, cubic(v, self.vertical, self.candelas, "reflect"), 0.0)
+        return np.maximum(cubic(h, self.horizontal, rows.T, "wrap" if last == 360 else "reflect"), 0.0)
+
+
+def cubic(at, knots, rows, beyond):
+    """Rows of values at knots, interpolated by the splines of Catmull and Rom as Cycles does; `beyond` the ends they are reflected or go round."""
+    if len(knots) == 1:
+        return np.repeat(rows, len(at), axis=1)
+    padded = np.concatenate([rows[:, 1:2], rows, rows[:, -2:-1]], axis=1)
+    if beyond == "wrap":
+        padded[:, 0], padded[:, -1] = rows[:, -2], rows[:, 1]
+    cell = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+    t = np.clip((at - knots[cell]) / np.maximum(knots[cell + 1] - knots[cell], 1e-9), 0.0, 1.0)
+    a, b, c, d = (padded[:, cell + k] for k in range(4))
+    return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)))
 
 
 def text_of(p):
@@ -83,5 +97,5 @@ def profile(p):
     down = p.var("float", f"(acos(clamp(-{d}[2], -1.0, 1.0)) * {180 / math.pi!r} + 0.5) / 181.0")
     turn = p.var("float", f"atan2(-{d}[0], -{d}[1]) * {180 / math.pi!r}")
     across = p.var("float", f"(({turn} < 0.0 ? {turn} + 360.0 : {turn}) + 0.5) / 361.0")
-    read = p.var("color", f'texture("{name}", {across}, 1.0 - {down}, 0.0, 0.0, 0.0, 0.0, "wrap", "clamp", "interp", "linear")')
+    read = p.var("color", f'texture("{name}", {across}, {down}, 0.0, 0.0, 0.0, 0.0, "wrap", "clamp", "interp", "linear")')
     return {"Fac": ("float", f"{read}[0] * {p.f('Strength')}")}

@@ -92,7 +92,8 @@ impl LightLayer {
     #[must_use]
     pub fn of_word(word: &str) -> Option<Self> {
         let mut all = WORDS.iter().chain([&ENVIRONMENT]).chain(&COLOR_WORDS);
-        all.find(|(known, _)| *known == word).map(|&(name, expression)| Self { name: name.into(), expression: expression.into() })
+        all.find(|(known, _)| *known == word)
+            .map(|&(name, expression)| Self { name: name.into(), expression: expression.into() })
     }
 
     /// All light of a light group; of a light, if it has this name.

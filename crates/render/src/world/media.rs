@@ -122,9 +122,12 @@ impl Media {
     pub(crate) fn at(&self, inside: Inside) -> impl Iterator<Item = u16> + '_ {
         // Of equals the one that was entered last.
         let replacing = inside.numbers().filter(|&body| !self.get(body).adds);
-        let body = replacing.reduce(|best, other| {
-            if self.get(other).priority > self.get(best).priority { other } else { best }
-        });
+        let body =
+            replacing.reduce(
+                |best, other| {
+                    if self.get(other).priority > self.get(best).priority { other } else { best }
+                },
+            );
         let base = body.unwrap_or(self.around);
         let adding = inside.numbers().filter(|&body| self.get(body).adds);
         (base != 0).then_some(base).into_iter().chain(adding).chain(self.free.iter().copied())

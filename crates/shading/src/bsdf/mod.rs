@@ -217,7 +217,8 @@ impl Bsdf {
     pub fn albedo_parts(&self, wo: Vec3) -> [Vec3; 4] {
         let of = |lobes: Lobes| Self { lobes, normal: self.normal, medium: self.medium }.albedo(wo);
         let reflected = of(self.lobes.clone().reflecting());
-        let diffuse = of(self.lobes.clone().filtered(|lobe| lobe.kind.is_wide() && !lobe.kind.goes_through()));
+        let diffuse =
+            of(self.lobes.clone().filtered(|lobe| lobe.kind.is_wide() && !lobe.kind.goes_through()));
         let beyond = of(self.lobes.clone().filtered(|lobe| lobe.kind == Kind::Translucent));
         let part = |whole: Vec3, less: Vec3| (whole - less).max(Vec3::ZERO);
         [diffuse, part(reflected, diffuse), beyond, part(self.albedo(wo), reflected + beyond)]
