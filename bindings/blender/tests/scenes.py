@@ -998,3 +998,22 @@ def light_links():
     without.light_linking.receiver_collection = collection("unlit", ball)
     without.light_linking.receiver_collection.collection_objects[0].light_linking.link_state = "EXCLUDE"
     without.light_linking.blocker_collection = collection("shadows", ring)
+
+
+@scene
+def profiles():
+    """Lights whose strength an IES profile gives by direction."""
+    stage()
+    vertical, horizontal = range(0, 91, 10), (0, 90, 180, 270, 360)
+    candelas = [[(1000 - 10 * v) * (1 + 0.8 * math.sin(math.radians(h))) for v in vertical] for h in horizontal]
+    rows = [" ".join(map(str, row)) for row in (vertical, horizontal, *candelas)]
+    text = "\n".join(["IESNA:LM-63-2002", "TILT=NONE", f"1 1000 1.5 {len(vertical)} {len(horizontal)} 1 2 0 0 0", "1 1 50", *rows])
+    for kind, where, turn in (("POINT", (-2, -2, 3), (0.4, 0.2, 0.5)), ("AREA", (2, -3, 3), (0.5, 0.3, 0))):
+        lamp = light(kind, where, 3, **({"shadow_soft_size": 0.1} if kind == "POINT" else {"size": 0.5}))
+        lamp.rotation_euler = turn
+        lamp.data.use_nodes = True
+        tree = lamp.data.node_tree
+        source, words = tree.nodes.new("ShaderNodeTexIES"), bpy.data.texts.new("profile")
+        words.write(text)
+        source.ies, source.inputs["Strength"].default_value = words, 2.0
+        tree.links.new(source.outputs[0], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Strength"])

@@ -223,7 +223,7 @@ fn parts_have_their_own_parts() {
     }
 }
 
-/// Colours are what surfaces scatter of the same light from all sides.
+/// Colours equal the scattered share of light from all sides.
 #[test]
 fn colors_are_those_of_a_furnace() {
     let metal = Principled {

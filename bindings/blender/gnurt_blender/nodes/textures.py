@@ -112,12 +112,6 @@ def environment_texture(p):
     return {"Color": ("color", color)}
 
 
-@node("TEX_IES")
-def ies_texture(p):
-    p.warn("light profiles of IES files are not shown")
-    return {"Fac": ("float", p.f("Strength"))}
-
-
 @node("TEX_SKY")
 def sky_texture(p):
     p.need("sky")

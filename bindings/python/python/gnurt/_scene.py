@@ -360,8 +360,10 @@ def load(source):
 
 
 def read_volume(path, names=None):
-    """The grids of a file of OpenVDB by their names, or those of some names: an array (x, y, z), or (x, y, z, 3), with the active voxels and a rim around them, and the
-    matrix from the unit cube, which the array fills, to the world. `Scene.add_medium` takes both. Grids without active voxels are left out.
+    """The grids of a file of OpenVDB by their names, or those of some names; grids without active voxels are left out.
+
+    Each is an array (x, y, z), or (x, y, z, 3), of the active voxels with a rim of one voxel, and a matrix. The matrix takes the unit cube,
+    which the array fills, to the world. `Scene.add_medium` takes both.
     """
     return _read_volume(os.fspath(path), names)
 
