@@ -4,6 +4,7 @@
 //! Source: see each file.
 
 pub(crate) mod absorption;
+mod below;
 mod flight;
 mod light_samples;
 pub(crate) mod links;

@@ -12,9 +12,9 @@ use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
+use super::below::Walks;
 use super::links::LinkedPaths;
 use super::medium_vertices::MediumVertices;
-use super::subsurface::Walks;
 use super::through::Through;
 use crate::cone::{Cone, Cones};
 use crate::expressions::Ledger;

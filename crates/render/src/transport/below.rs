@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Walks below surfaces: their state, and their steps.
+//! Source: [CKB16]; distances are drawn for one channel, weighted by the mean density of all channels [WND*14].
+//! `subsurface` begins and ends walks. Space: world. Tests: crates/render/tests/subsurface.rs.
+
+use glam::Vec3;
+use gnurt_accel::{HitBatch, RayBatch};
+use gnurt_shading::SampleKey;
+use gnurt_shading::bsdf::ClosureBatch;
+use gnurt_shading::phase::Phase;
+
+use super::flight::Random;
+use crate::world::HitLanes;
+
+/// Scattering events of one walk, at most: further light is lost. Of a white body that is 1 %.
+const MOST_EVENTS: u32 = 4096;
+/// Events after which walks end by chance.
+const CERTAIN_EVENTS: u32 = 16;
+/// Branch of a path's key: the path from where it leaves.
+const LEAVING: u32 = 9;
+
+/// A walk.
+#[derive(Clone, Copy)]
+pub(super) struct Walk {
+    /// The number of its path.
+    pub(super) number: u32,
+    /// The object that it is in.
+    pub(super) leaf: u32,
+    pub(super) key: SampleKey,
+    pub(super) org: Vec3,
+    pub(super) dir: Vec3,
+    /// The part of the ray up to the next event that it has yet to go; an empty one begins at 0.
+    pub(super) span: [f32; 2],
+    pub(super) throughput: Vec3,
+    pub(super) albedo: Vec3,
+    pub(super) extinction: Vec3,
+    pub(super) phase: Phase<f32>,
+    pub(super) events: u32,
+}
+
+/// The walks of one step.
+#[derive(Default)]
+pub(crate) struct Walks {
+    pub(super) list: Vec<(Walk, Random)>,
+    /// By point of the last shader: the factor of paths that other lobes scatter.
+    pub(crate) shares: Vec<f32>,
+    pub(super) rays: RayBatch,
+    pub(super) keys: Vec<SampleKey>,
+    pub(super) hits: HitBatch,
+    /// Where walks left: rays from outside that end there, in place of the paths' rays.
+    pub(super) leaving: Leaving,
+    pub(super) white: ClosureBatch,
+}
+
+/// Rays and hits of all paths of a step; those of walks that left have new ones.
+#[derive(Default)]
+pub(super) struct Leaving {
+    pub(super) rays: RayBatch,
+    pub(super) keys: Vec<SampleKey>,
+    pub(super) hits: HitBatch,
+    /// Numbers of the paths that left; later sorted, with materials in the upper halves.
+    pub(super) order: Vec<u64>,
+}
+
+impl Walks {
+    /// Forgets all.
+    pub(crate) fn begin(&mut self) {
+        self.list.clear();
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+}
+
+impl Walk {
+    /// Sum of the light of all channels.
+    fn light(&self) -> f32 {
+        self.throughput.element_sum()
+    }
+
+    /// The distance to the next event, drawn for a channel that is chosen by its light.
+    pub(super) fn distance(&self, random: &mut Random) -> f32 {
+        let mut rest = random.next() * self.light();
+        let mut channel = 0;
+        while channel < 2 && rest >= self.throughput[channel] {
+            rest -= self.throughput[channel];
+            channel += 1;
+        }
+        let distance = -(1.0 - random.next()).ln() / self.extinction[channel];
+        // A ray of no length would miss a surface that is there.
+        distance.clamp(f32::MIN_POSITIVE, f32::MAX)
+    }
+
+    /// Accounts for a way of `t` without an event.
+    pub(super) fn pass(&mut self, t: f32) {
+        let passed = self.throughput * (-self.extinction * t).exp();
+        self.throughput = passed * (self.light() / passed.element_sum().max(f32::MIN_POSITIVE));
+    }
+
+    /// Goes to the next event and is scattered there; returns whether the walk goes on.
+    pub(super) fn is_scattered(&mut self, random: &mut Random) -> bool {
+        let t = self.span[1];
+        let met = self.throughput * self.extinction * (-self.extinction * t).exp();
+        self.throughput = met * self.albedo * (self.light() / met.element_sum().max(f32::MIN_POSITIVE));
+        self.events += 1;
+        if self.events >= CERTAIN_EVENTS {
+            let keep = self.throughput.max_element().min(1.0);
+            if random.next() >= keep {
+                return false;
+            }
+            self.throughput /= keep;
+        }
+        self.org += self.dir * t;
+        let u = [random.next(), random.next(), random.next()];
+        self.dir = Vec3::from(self.phase.sample(self.dir.into(), u).0);
+        self.span = [0.0; 2];
+        self.events < MOST_EVENTS && self.light() > 0.0 && self.throughput.is_finite()
+    }
+}
+
+impl Leaving {
+    pub(super) fn begin(&mut self, from: HitLanes) {
+        self.rays.clone_from(from.rays);
+        self.keys.clear();
+        self.keys.extend_from_slice(from.keys);
+        self.hits.clone_from(from.hits);
+        self.order.clear();
+    }
+
+    /// A walk that met its object from within at a hit: the path's ray now comes from the other side, as if it had hit that.
+    pub(super) fn push(&mut self, walk: &Walk, (hits, lane): (&HitBatch, usize)) {
+        let (i, t) = (walk.number as usize, hits.t[lane]);
+        let org = walk.org + walk.dir * (2.0 * t);
+        for k in 0..3 {
+            (self.rays.org[k][i], self.rays.dir[k][i]) = (org[k], -walk.dir[k]);
+        }
+        let to = &mut self.hits;
+        (to.t[i], to.u[i], to.v[i]) = (t, hits.u[lane], hits.v[lane]);
+        (to.prim_id[i], to.geom_id[i]) = (hits.prim_id[lane], hits.geom_id[lane]);
+        (to.inst_id[i], to.leaf_id[i]) = (hits.inst_id[lane], hits.leaf_id[lane]);
+        self.keys[i] = walk.key.fork(LEAVING);
+        self.order.push(i as u64);
+    }
+}
