@@ -557,7 +557,7 @@ impl std::fmt::Display for Sums {
 
 #[test]
 fn paths_and_virtual_lights_see_the_same_light() {
-    see_the_same(&MATERIALS, &LIGHTS, 8);
+    see_the_same(&MATERIALS, &LIGHTS, 16);
 }
 
 /// Lobes with cached lanes, lobes with their own normals, and nonreciprocal lobes, in light paths.
