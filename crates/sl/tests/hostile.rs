@@ -483,7 +483,7 @@ fn soon<T>(what: &str, work: impl FnOnce() -> T) -> T {
     let before = worked(start);
     let made = work();
     let took = worked(start) - before;
-    assert!(took < 1.5, "{what}: {took} seconds");
+    assert!(took < 4.0, "{what}: {took} seconds");
     made
 }
 
