@@ -88,7 +88,8 @@ impl Walks {
         let Self { list, rays, keys, hits, leaving, white, .. } = self;
         leaving.begin(from);
         while !list.is_empty() {
-            (rays.clear(), keys.clear());
+            rays.clear();
+            keys.clear();
             for (walk, random) in list.iter_mut() {
                 if walk.span[0] >= walk.span[1] {
                     walk.span = [0.0, walk.distance(random)];

@@ -75,7 +75,7 @@ impl Draws {
         let [x, y] = self.pair(purpose);
         let set = hash_combine(self.set, purpose);
         let index = owen_scramble(self.sample, set);
-        let turned = THIRD.iter().enumerate().fold(0, |sum, (k, &column)| sum ^ (index >> k & 1) * column);
+        let turned = THIRD.iter().enumerate().fold(0, |sum, (k, &column)| sum ^ ((index >> k & 1) * column));
         [x, y, unit_interval(owen_scramble(turned.reverse_bits(), hash_combine(set, 3)))]
     }
 }

@@ -49,7 +49,7 @@ impl<S: Simd> DrawsX16<S> {
     pub fn triple(self, purpose: u32) -> [Floats<S>; 3] {
         let set = combine_known(self.set, purpose);
         let index = reverse(owen(self.sample + set));
-        let mut third = index & 0;
+        let mut third = u32x16::splat(index.token(), 0);
         for (k, column) in THIRD.into_iter().enumerate() {
             third ^= ((index >> k as u32) & 1) * column;
         }
