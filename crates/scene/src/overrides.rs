@@ -127,6 +127,7 @@ impl Override {
                         material.alpha =
                             Alpha::Blend { opacity: Opacity { factor: 1.0, texture: None, channel } };
                     }
+                    self.add_layers(&mut material.surface);
                     let known = self.set(material_fields(&mut material))?;
                     if known.is_ok() && material != *scene.material(MaterialId(place)) {
                         *scene.edit_material(MaterialId(place)) = material;
@@ -159,6 +160,34 @@ impl Override {
         let (list, name) = (self.list_name(), &self.name);
         let valid = if valid.is_empty() { "none".into() } else { valid.join(", ") };
         Err(format!("{list}.{name}: unknown field '{}'; valid are: {valid}", self.field))
+    }
+
+    /// Gives metal and plastic layers, if only those have the field.
+    fn add_layers(&self, surface: &mut Surface) {
+        let Surface::MetallicRoughness {
+            base_color,
+            metallic,
+            roughness,
+            metallic_roughness_texture,
+            ior,
+            normal_texture,
+        } = surface
+        else {
+            return;
+        };
+        let mut layered = Principled {
+            base_color: *base_color,
+            metallic: *metallic,
+            roughness: *roughness,
+            metallic_roughness_texture: *metallic_roughness_texture,
+            ior: *ior,
+            normal_texture: *normal_texture,
+            ..Principled::default()
+        };
+        let own = ["base_color", "metallic", "roughness", "ior"].contains(&&*self.field);
+        if !own && principled_fields(&mut layered).iter().any(|(name, _)| *name == self.field) {
+            *surface = Surface::Principled(Box::new(layered));
+        }
     }
 
     fn put_into_group(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
@@ -448,6 +477,20 @@ mod tests {
         assert_eq!(intensity, [4.0, 2.0, 1.0], "half of it");
         apply(&mut scene, "materials.gold.opacity=0.5").expect("an opaque material becomes transparent");
         assert!(matches!(scene.materials()[1].alpha, Alpha::Blend { opacity } if opacity.factor == 0.5));
+        let plastic = Surface::MetallicRoughness {
+            base_color: crate::material::Color::constant([0.5; 3]),
+            metallic: 0.0,
+            roughness: 0.3,
+            metallic_roughness_texture: None,
+            ior: 1.4,
+            normal_texture: None,
+        };
+        scene.add_material(Material::of("plastic", plastic));
+        apply(&mut scene, "materials.plastic.roughness=0.2").expect("its own field");
+        assert!(matches!(scene.materials()[2].surface, Surface::MetallicRoughness { .. }));
+        apply(&mut scene, "materials.plastic.subsurface=1").expect("a field of layers");
+        let Surface::Principled(layered) = &scene.materials()[2].surface else { panic!("layers") };
+        assert_eq!((layered.ior, layered.roughness, layered.subsurface.factor), (1.4, 0.2, 1.0));
         apply(&mut scene, "materials.gold.subsurface_radius=0.3,0.2,0.1").expect("a length by colour");
     }
 
