@@ -12,10 +12,9 @@ use gnurt_shading::{SampleKey, Vec3s};
 use crate::cone::Cones;
 use crate::expressions::LightLayer;
 use crate::tracer::{AttributeRequests, BatchTracer};
+use crate::transport::opacity::MOST_LAYERS;
 use crate::world::HitLanes;
 
-/// Surfaces that are there in part, along one ray.
-const MOST_LAYERS: u32 = 256;
 /// Less of a ray is not followed.
 const LEAST: f32 = 1e-4;
 

@@ -15,7 +15,7 @@ use gnurt_accel::{Coherence, HitBatch, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::left_after;
 use gnurt_shading::lights::LightId;
-use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
+use gnurt_shading::{SampleKey, Vec3s};
 use gnurt_simd::dispatch_wide;
 
 use crate::tracer::{AttributeRequests, BatchTracer};
@@ -27,7 +27,7 @@ use crate::transport::{
     Blockers, Known, LightQuery, Offer, Path, Wavefront, add, media, panes, power_heuristic,
     query_plugin_lights, shadow_ray,
 };
-use crate::world::{HitLanes, World};
+use crate::world::HitLanes;
 
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
@@ -171,8 +171,7 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         let medium = world.media().of_points(world, points);
         let mut shares: &[f32] = &[];
         if !is_final && closures.has_subsurface() {
-            let is_held = |k: usize| from.depth == 0 && is_hole(world, points, k);
-            below.enter(options, (&*paths, from), (numbers, points), closures, is_held);
+            below.enter((world, options), (&*paths, from), (numbers, points), closures);
             shares = &below.shares;
         }
         let met = Met {
@@ -207,11 +206,6 @@ fn scatter(met: &Met, onward: &mut Onward) {
     }
 }
 
-/// Whether a point is of a hole in the picture.
-fn is_hole(world: &World, points: &SurfaceBatch, k: usize) -> bool {
-    world.labels().holdouts.contains(&points.inst_id[k])
-}
-
 /// The step of paths below surfaces, from where they leave.
 fn leave(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     if wavefront.below.is_empty() {
@@ -219,7 +213,7 @@ fn leave(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, ra
     }
     let (world, options) = (tracer.world, tracer.options);
     let Wavefront { paths, next, unshadowed, ledger, linked, below, .. } = wavefront;
-    below.leave(tracer, paths, from, |_, paths, from, numbers, points, closures| {
+    below.leave(tracer, paths, from, |paths, from, numbers, points, closures| {
         let (backdrop, is_final, medium, shares) = (None, false, 0, &[][..]);
         let met = Met {
             world,

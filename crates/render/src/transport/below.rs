@@ -52,13 +52,13 @@ pub(crate) struct Walks {
     pub(super) white: ClosureBatch,
 }
 
-/// Rays and hits of all paths of a step; those of walks that left have new ones.
+/// Rays of all paths of a step, new ones where walks left; hits of those only.
 #[derive(Default)]
 pub(super) struct Leaving {
     pub(super) rays: RayBatch,
     pub(super) keys: Vec<SampleKey>,
     pub(super) hits: HitBatch,
-    /// Numbers of the paths that left; later sorted, with materials in the upper halves.
+    /// The paths that left, in order of materials.
     pub(super) order: Vec<u64>,
 }
 
@@ -124,8 +124,7 @@ impl Leaving {
         self.rays.clone_from(from.rays);
         self.keys.clear();
         self.keys.extend_from_slice(from.keys);
-        self.hits.clone_from(from.hits);
-        self.order.clear();
+        self.hits.reset(from.hits.len());
     }
 
     /// A walk that met its object from within at a hit: the path's ray now comes from the other side, as if it had hit that.
@@ -140,6 +139,5 @@ impl Leaving {
         (to.prim_id[i], to.geom_id[i]) = (hits.prim_id[lane], hits.geom_id[lane]);
         (to.inst_id[i], to.leaf_id[i]) = (hits.inst_id[lane], hits.leaf_id[lane]);
         self.keys[i] = walk.key.fork(LEAVING);
-        self.order.push(i as u64);
     }
 }

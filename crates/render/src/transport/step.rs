@@ -99,7 +99,7 @@ impl Met<'_> {
     /// Whether the path at point `k` comes straight from the camera and sees a hole.
     fn is_held_out(&self, k: usize, onward: &mut Onward) -> bool {
         let path = self.path(k);
-        let is_one = path.edges == 1 && self.world.labels().holdouts.contains(&self.points.inst_id[k]);
+        let is_one = is_hole(self.world, path.edges, self.points.inst_id[k]);
         if is_one && let Some(held) = onward.held.as_mut().and_then(|held| held.get_mut(path.lane as usize)) {
             *held = true;
         }
@@ -213,6 +213,11 @@ impl Met<'_> {
             _ => found * weight,
         }
     }
+}
+
+/// Whether a path with this number of edges comes straight from the camera and sees a hole, an instance.
+pub(crate) fn is_hole(world: &World, edges: u32, instance: u32) -> bool {
+    edges == 1 && world.labels().holdouts.contains(&instance)
 }
 
 /// Takes the step of all paths that met the shader.

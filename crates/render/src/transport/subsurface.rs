@@ -7,7 +7,7 @@
 //! add no edges. Tests: crates/render/tests/subsurface.rs.
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, HitBatch, INVALID_ID, Ray};
+use gnurt_accel::{Coherence, INVALID_ID, Ray};
 use gnurt_scene::RayMask;
 use gnurt_scene::medium::single_albedo;
 use gnurt_shading::SurfaceBatch;
@@ -19,6 +19,7 @@ use super::below::{Walk, Walks};
 use super::flight::Random;
 use super::opacity;
 use super::paths::Paths;
+use super::step::is_hole;
 use crate::options::RenderOptions;
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::world::{HitLanes, World};
@@ -33,11 +34,10 @@ impl Walks {
     /// Paths that are not scattered here do not enter.
     pub(crate) fn enter(
         &mut self,
-        options: &RenderOptions,
+        (world, options): (&World, &RenderOptions),
         (paths, from): (&Paths, HitLanes),
         (numbers, points): (&[u32], &SurfaceBatch),
         closures: &mut ClosureBatch,
-        is_held: impl Fn(usize) -> bool,
     ) {
         self.shares.clear();
         for (k, &number) in numbers.iter().enumerate() {
@@ -51,7 +51,8 @@ impl Walks {
             self.shares.push(share);
             let Some(entry) = entry else { continue };
             let is_met = opacity::is_met(options.seed, key, path.edges, closures.coverage(k));
-            if !is_met || path.edges >= options.max_depth || is_held(k) {
+            let is_held = is_hole(world, path.edges, points.inst_id[k]);
+            if !is_met || path.edges >= options.max_depth || is_held {
                 continue;
             }
             let [x, y] = sample_pair(options.seed, own, path.edges, purpose::DIRECTION);
@@ -76,14 +77,13 @@ impl Walks {
         }
     }
 
-    /// Follows all walks to where they leave, and calls `scatter(tracer, paths, rays and hits, numbers, points,
-    /// closures)` for the points of each material there.
+    /// Follows all walks to where they leave, and calls `scatter(paths, rays and hits, numbers, points, closures)` for the points of each material there.
     pub(crate) fn leave(
         &mut self,
         tracer: &mut BatchTracer,
         paths: &mut Paths,
         from: HitLanes,
-        mut scatter: impl FnMut(&mut BatchTracer, &Paths, HitLanes, &[u32], &SurfaceBatch, &ClosureBatch),
+        mut scatter: impl FnMut(&Paths, HitLanes, &[u32], &SurfaceBatch, &ClosureBatch),
     ) {
         let Self { list, rays, keys, hits, leaving, white, .. } = self;
         leaving.begin(from);
@@ -124,13 +124,14 @@ impl Walks {
             cones: None,
             depth: from.depth + 1,
         };
-        sort(tracer.world, &leaving.hits, &mut leaving.order);
+        let count = leaving.hits.len();
+        tracer.world.sort_by_material(&leaving.hits, 0..count, &mut leaving.order);
         let mut own = std::mem::take(&mut tracer.closures);
         tracer.for_each_surface_of(
             &leaving.order,
             from,
             AttributeRequests::Light,
-            |tracer, shader, numbers, points| {
+            |_, shader, numbers, points| {
                 own.reset(points.len());
                 shader.evaluate(points, &mut own);
                 white.reset(points.len());
@@ -138,20 +139,11 @@ impl Walks {
                     let normal = points.point(k).bent_normal(own.leaving_normal(k), -points.ray_dir.get(k));
                     white.set(k, normal, &[Lobe::lambert(Vec3::ONE)]);
                 }
-                scatter(tracer, paths, from, numbers, points, white);
+                scatter(paths, from, numbers, points, white);
             },
         );
         tracer.closures = own;
     }
-}
-
-/// Sorts lanes by the materials of their hits.
-fn sort(world: &World, hits: &HitBatch, order: &mut [u64]) {
-    for lane in order.iter_mut() {
-        let i = *lane as u32 as usize;
-        *lane = u64::from(world.material_of(hits.leaf_id[i], hits.geom_id[i])) << 32 | i as u64;
-    }
-    order.sort_unstable();
 }
 
 /// A direction into the body: with the density of the cosine, or bent by the index of refraction.

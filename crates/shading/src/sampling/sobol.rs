@@ -13,11 +13,11 @@ use crate::batch::SampleKey;
 pub mod purpose {
     /// Position within the pixel.
     pub const PIXEL: u32 = 0;
-    /// Direction of a scattered ray.
+    /// Direction of a scattered ray, and the choice of the lobe that it is drawn from.
     pub const DIRECTION: u32 = 1;
-    /// Choice between mirrored and refracted.
+    /// Choice between mirrored and refracted; whether a path goes on.
     pub const CHOICE: u32 = 2;
-    /// Position on the chosen light.
+    /// Choice of a light, and the position on it.
     pub const LIGHT_POSITION: u32 = 3;
     /// Whether a surface that is there in part is met.
     pub const COVERAGE: u32 = 5;
