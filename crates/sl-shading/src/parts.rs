@@ -53,7 +53,7 @@ impl Light {
     }
 }
 
-/// Emission and transparency of points, separate from scattering.
+/// Emission and transparency of points, and the medium behind them, separate from scattering.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lights {
     /// Light that they give off.
@@ -253,7 +253,9 @@ impl<'a> Flattened<'a> {
         self.lights.radiance.add_times(lanes, &inner.radiance, weight);
         self.lights.absorption.add_times(lanes, &inner.absorption, weight);
         self.lights.scattering.add_times(lanes, &inner.scattering, weight);
-        self.lights.anisotropy = inner.anisotropy;
+        if inner.absorption.some != 0 {
+            self.lights.anisotropy = inner.anisotropy;
+        }
     }
 
     /// Multiplies lobes by weights, if some are not 1.

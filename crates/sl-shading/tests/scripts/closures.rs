@@ -103,8 +103,10 @@ fn volume_closures_are_what_lies_behind() {
             Vec3::splat(0.25),
         ),
     ] {
+        // Layers without a medium change nothing.
+        let others = " + layer (translucent (N), emission ())";
         for varying in ["1", "(u < 7 ? 1 : 2)"] {
-            let made = surface(&format!("Ci = {varying} * ({closure});"));
+            let made = surface(&format!("Ci = {varying} * ({closure}{others});"));
             let mut out = ClosureBatch::default();
             out.reset(1);
             made.evaluate(&floor(1), &mut out);
