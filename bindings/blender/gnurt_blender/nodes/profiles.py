@@ -24,7 +24,7 @@ class Profile:
             raise ValueError("there is no TILT line")
         numbers = [float(x) for x in re.split(r"[\s,]+", text[found.end() :].strip()) if x]
         if found.group(1).upper() == "INCLUDE":
-            numbers = numbers[2 + 2 * int(numbers[1]) :]
+            numbers = numbers[2 + 2 * int(numbers[1]) :] if len(numbers) > 1 else []
         if len(numbers) < 13:
             raise ValueError("it is too short")
         nv, nh, self.kind = (int(x) for x in numbers[3:6])
@@ -77,7 +77,7 @@ def profile(p):
     code = p.code
     try:
         found = Profile(text_of(p))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, OverflowError) as error:
         p.warn(f"the profile is not shown: {error}")
         return {"Fac": ("float", "0.0")}
     if found.kind != 1:

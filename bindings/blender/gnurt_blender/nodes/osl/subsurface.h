@@ -16,7 +16,7 @@ color b_skin_color(color albedo, float gloss)
 {
     return albedo * (color(1) + (0.165 - 0.075 * gloss) * (color(1) - albedo));
 }
-// The mean free path of a random walk for skin: its radius is about the distance that light diffuses.
+// The mean free path of a random walk for skin, with the root of the albedo's rest of [KC17], as the renderer's walks: its radius is about the distance that light diffuses.
 color b_skin_path(color albedo, color radius)
 {
     color s = color(4.09712) + 4.20863 * albedo - sqrt(color(9.59217) + 41.6808 * albedo + 17.7126 * albedo * albedo);
