@@ -56,13 +56,19 @@ impl Draws {
         Self { sample: key.sample, set: values.into_iter().fold(0x9e37_79b9, hash_combine) }
     }
 
+    /// The hash for a purpose, and the index of the sample in its sequence.
+    #[inline]
+    fn shuffled(self, purpose: u32) -> (u32, u32) {
+        let set = hash_combine(self.set, purpose);
+        // Shuffling the order keeps every aligned block of 2^k samples together, so progressive pictures stay stratified.
+        (set, owen_scramble(self.sample, set))
+    }
+
     /// The pair for this [`purpose`].
     #[must_use]
     #[inline]
     pub fn pair(self, purpose: u32) -> [f32; 2] {
-        let set = hash_combine(self.set, purpose);
-        // Shuffling the order keeps every aligned block of 2^k samples together, so progressive pictures stay stratified.
-        let index = owen_scramble(self.sample, set);
+        let (set, index) = self.shuffled(purpose);
         let [x, y] = sobol(index);
         [owen_scramble(x, hash_combine(set, 1)), owen_scramble(y, hash_combine(set, 2))].map(unit_interval)
     }
@@ -73,8 +79,7 @@ impl Draws {
     #[inline]
     pub fn triple(self, purpose: u32) -> [f32; 3] {
         let [x, y] = self.pair(purpose);
-        let set = hash_combine(self.set, purpose);
-        let index = owen_scramble(self.sample, set);
+        let (set, index) = self.shuffled(purpose);
         let turned = THIRD.iter().enumerate().fold(0, |sum, (k, &column)| sum ^ ((index >> k & 1) * column));
         [x, y, unit_interval(owen_scramble(turned.reverse_bits(), hash_combine(set, 3)))]
     }

@@ -33,13 +33,18 @@ impl<S: Simd> DrawsX16<S> {
         Self { sample: reverse(sample), set }
     }
 
+    /// The hash for a purpose, and the shuffled number of the sample.
+    #[inline(always)]
+    fn shuffled(self, purpose: u32) -> (UInts<S>, UInts<S>) {
+        let set = combine_known(self.set, purpose);
+        (set, reverse(owen(self.sample + set)))
+    }
+
     /// The pair for this [`purpose`](super::purpose).
     #[inline(always)]
     #[must_use]
     pub fn pair(self, purpose: u32) -> [Floats<S>; 2] {
-        let set = combine_known(self.set, purpose);
-        // The shuffled number of the sample.
-        let index = reverse(owen(self.sample + set));
+        let (set, index) = self.shuffled(purpose);
         [scrambled(index, set, 1), scrambled(second_dimension(index), set, 2)]
     }
 
@@ -47,8 +52,7 @@ impl<S: Simd> DrawsX16<S> {
     #[inline(always)]
     #[must_use]
     pub fn triple(self, purpose: u32) -> [Floats<S>; 3] {
-        let set = combine_known(self.set, purpose);
-        let index = reverse(owen(self.sample + set));
+        let (set, index) = self.shuffled(purpose);
         let mut third = u32x16::splat(index.token(), 0);
         for (k, column) in THIRD.into_iter().enumerate() {
             third ^= ((index >> k as u32) & 1) * column;
