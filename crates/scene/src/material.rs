@@ -162,6 +162,31 @@ impl Surface {
             }
         }
     }
+
+    /// glTF's metal and plastic, with or without its extensions, as the form with all of them; `None` for other models.
+    #[must_use]
+    pub fn layered(&self) -> Option<Principled> {
+        match self {
+            Self::Principled(principled) => Some((**principled).clone()),
+            Self::MetallicRoughness {
+                base_color,
+                metallic,
+                roughness,
+                metallic_roughness_texture,
+                ior,
+                normal_texture,
+            } => Some(Principled {
+                base_color: *base_color,
+                metallic: *metallic,
+                roughness: *roughness,
+                metallic_roughness_texture: *metallic_roughness_texture,
+                ior: *ior,
+                normal_texture: *normal_texture,
+                ..Principled::default()
+            }),
+            _ => None,
+        }
+    }
 }
 
 /// glTF's metal and plastic with its extensions.

@@ -127,8 +127,7 @@ impl Override {
                         material.alpha =
                             Alpha::Blend { opacity: Opacity { factor: 1.0, texture: None, channel } };
                     }
-                    self.add_layers(&mut material.surface);
-                    let known = self.set(material_fields(&mut material))?;
+                    let known = self.set_material(&mut material)?;
                     if known.is_ok() && material != *scene.material(MaterialId(place)) {
                         *scene.edit_material(MaterialId(place)) = material;
                     }
@@ -162,32 +161,17 @@ impl Override {
         Err(format!("{list}.{name}: unknown field '{}'; valid are: {valid}", self.field))
     }
 
-    /// Gives metal and plastic layers, if only those have the field.
-    fn add_layers(&self, surface: &mut Surface) {
-        let Surface::MetallicRoughness {
-            base_color,
-            metallic,
-            roughness,
-            metallic_roughness_texture,
-            ior,
-            normal_texture,
-        } = surface
-        else {
-            return;
-        };
-        let mut layered = Principled {
-            base_color: *base_color,
-            metallic: *metallic,
-            roughness: *roughness,
-            metallic_roughness_texture: *metallic_roughness_texture,
-            ior: *ior,
-            normal_texture: *normal_texture,
-            ..Principled::default()
-        };
-        let own = ["base_color", "metallic", "roughness", "ior"].contains(&&*self.field);
-        if !own && principled_fields(&mut layered).iter().any(|(name, _)| *name == self.field) {
-            *surface = Surface::Principled(Box::new(layered));
+    /// Sets the field of a material; metal and plastic get layers if only those have it.
+    fn set_material(&self, material: &mut Material) -> Result<Result<(), Vec<&'static str>>, String> {
+        let known = self.set(material_fields(material))?;
+        if known.is_err()
+            && let Some(mut layered) = material.surface.layered()
+            && self.set(principled_fields(&mut layered))?.is_ok()
+        {
+            material.surface = Surface::Principled(Box::new(layered));
+            return Ok(Ok(()));
         }
+        Ok(known)
     }
 
     fn put_into_group(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {

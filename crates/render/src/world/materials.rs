@@ -56,26 +56,8 @@ fn second_texcoords(material: &Material) -> Vec<AttributeRequest> {
 fn surface(from: Reading, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn SurfaceShader> {
     match surface {
         Surface::Matte { base_color } => Arc::new(shading::Matte { albedo: color(from, base_color) }),
-        Surface::MetallicRoughness {
-            base_color,
-            metallic,
-            roughness,
-            metallic_roughness_texture,
-            ior,
-            normal_texture,
-        } => Arc::new(principled(
-            from,
-            &Principled {
-                base_color: *base_color,
-                metallic: *metallic,
-                roughness: *roughness,
-                metallic_roughness_texture: *metallic_roughness_texture,
-                normal_texture: *normal_texture,
-                ..Principled::default()
-            },
-            *ior,
-        )),
-        Surface::Principled(model) => Arc::new(principled(from, model, index(model.ior))),
+        Surface::MetallicRoughness { ior, .. } => layered(from, surface, *ior),
+        Surface::Principled(model) => layered(from, surface, index(model.ior)),
         Surface::RoughMatte { base_color, roughness } => {
             Arc::new(shading::rough_matte(color(from, base_color), roughness.clamp(0.0, 1.0)))
         }
@@ -104,6 +86,11 @@ fn surface(from: Reading, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
         Surface::Unlit { color: visible } => Arc::new(shading::Unlit { color: color(from, visible) }),
         Surface::Shader(number) => shaders.surfaces[*number as usize].clone(),
     }
+}
+
+/// Metal and plastic, with or without layers.
+fn layered(from: Reading, surface: &Surface, ior: f32) -> Arc<dyn SurfaceShader> {
+    Arc::new(principled(from, &surface.layered().unwrap_or_default(), ior))
 }
 
 /// An index that means nothing bends nothing.
