@@ -70,7 +70,7 @@ impl SurfaceShader for Surfaces {
                 out.fill(i, Medium::behind(absorption, front));
             }
             if self.has(class::HOLES) && hits.depth > 0 {
-                out.cover(i, material.coverage(&at));
+                out.fade(i, material.coverage(&at));
             }
         }
     }

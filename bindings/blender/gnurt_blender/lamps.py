@@ -119,7 +119,8 @@ surface blender_lamp (color light = 1, vector axis = vector(0, 0, -1), float con
             float c = max(fabs(dot(d, Ng)), 1e-6);
             share *= max((spread - sqrt(max(1.0 - c * c, 0.0)) / c) * spread_scale, 0.0);
         }
-        Ci = (BODY) * share * emission();
+        // Lights of Blender stop no light.
+        Ci = (BODY) * share * emission() + transparent();
     }
 }
 """

@@ -9,7 +9,7 @@ use glam::Vec3;
 use gnurt_render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render};
 use gnurt_scene::{Affine, Material, Scene, Surface};
 use gnurt_shading::bsdf::ClosureBatch;
-use gnurt_shading::{SurfaceBatch, SurfaceShader};
+use gnurt_shading::{EnvironmentShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 const ALL: [Integrator; 5] = [
     Integrator::Whitted,
@@ -51,6 +51,37 @@ impl SurfaceShader for Even {
 
     fn emits(&self) -> bool {
         true
+    }
+}
+
+/// The same, and lets all light through.
+struct Clear(Even);
+
+impl SurfaceShader for Clear {
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        self.0.evaluate(hits, out);
+        (0..hits.len()).for_each(|i| out.cover(i, 0.0));
+    }
+
+    fn transmit(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        (0..hits.len()).for_each(|i| out.set(i, Vec3::ONE));
+    }
+
+    fn is_opaque(&self) -> bool {
+        false
+    }
+
+    fn emits(&self) -> bool {
+        true
+    }
+}
+
+/// The same radiance from everywhere.
+struct Sky;
+
+impl EnvironmentShader for Sky {
+    fn miss(&self, dir: &Vec3s, out: &mut Vec3s) {
+        (0..dir.len()).for_each(|i| out.set(i, Vec3::splat(2.0)));
     }
 }
 
@@ -165,4 +196,38 @@ fn lamps_follow_their_shaders() {
     let (again, _) = light(&dim);
     assert_eq!(again, one, "as before");
     assert!(!light(&dim).1, "nothing was edited");
+}
+
+/// Light of the lamp and light through it add up, on the floor and where the camera sees the lamp.
+#[test]
+fn lamps_may_let_light_through() {
+    let mut scene = floor(0.6, 3.0);
+    let clear = scene.add_material(Material::of("lamp", Surface::Shader(0)));
+    put_mesh(&mut scene, quad(CORNER, EDGES[1], EDGES[0], clear));
+    let seen = |lamp: f32, sky: bool, view: &Camera, integrator| {
+        let shader = Clear(Even(Vec3::splat(lamp)));
+        let environment = sky.then(|| Arc::new(Sky) as Arc<dyn EnvironmentShader>);
+        let table = ShaderTable { surfaces: vec![Arc::new(shader)], environment, ..ShaderTable::default() };
+        let mut world = World::new();
+        world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+        let options = RenderOptions { integrator, max_depth: 2, vpls: 256, ..options(4, 4, 1024) };
+        mean(&render(&world, view, &options, &pool(1), &Silent).expect("sound options").picture)[0]
+    };
+    let on_floor = camera([0.1, -1.5, 0.8], [0.4, -0.1, 0.0], 0.01);
+    let at_lamp = camera([0.6, -0.1, 0.1], [0.6, -0.05, 1.0], 0.01);
+    for integrator in ALL {
+        let by = |lamp, sky, view| seen(lamp, sky, view, integrator);
+        assert_close(
+            by(3.0, true, &at_lamp),
+            5.0,
+            1e-3,
+            &format!("{integrator}: the lamp and the sky behind it"),
+        );
+        let (lamp, sky) = (by(3.0, false, &on_floor), by(0.0, true, &on_floor));
+        if integrator != Integrator::Whitted {
+            assert_close(sky, 1.2, 0.01, &format!("{integrator}: nothing shades the floor"));
+        }
+        assert!(lamp > 0.1, "{integrator}: {lamp}");
+        assert_close(by(3.0, true, &on_floor), lamp + sky, 0.01, &format!("{integrator}: the sum"));
+    }
 }

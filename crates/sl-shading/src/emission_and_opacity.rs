@@ -15,7 +15,7 @@ const THERE: f32 = 1.0 / 16.0;
 /// Emission and opacity of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EmissionAndOpacity {
-    /// Light that it gives off, over the share that it stops.
+    /// Light that it gives off.
     pub(crate) emission: Vec3,
     /// Share of light that it stops.
     pub(crate) there: f32,
@@ -29,7 +29,7 @@ impl EmissionAndOpacity {
         let emission = lights.emission.get(lane);
         let through = lights.through.get(lane).clamp(Vec3::ZERO, Vec3::ONE);
         let shared = through.min_element();
-        let is_lit = lists.lit() >> lane & 1 != 0 || emission != Vec3::ZERO;
+        let is_lit = lists.lit() >> lane & 1 != 0;
         // The transmittance common to all channels is transparency; the coloured rest is transmitted as
         // through a pane.
         let mut transparent = if is_lit { shared.min(1.0 - THERE) } else { shared };
@@ -44,7 +44,7 @@ impl EmissionAndOpacity {
         if there > 0.0 {
             lists.times(1 << lane, &Default::default(), &[[1.0 / there; LANES]; 3]);
         }
-        let emission = if emission.is_finite() && there > 0.0 { emission / there } else { Vec3::ZERO };
+        let emission = if emission.is_finite() { emission } else { Vec3::ZERO };
         let absorption = lights.absorption.get(lane);
         let absorption = if absorption.is_finite() { absorption } else { Vec3::ZERO };
         Self { emission, there, absorption }

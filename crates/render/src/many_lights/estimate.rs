@@ -14,6 +14,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use gnurt_accel::{INVALID_ID, RayBatch};
 use gnurt_shading::bsdf::BsdfSample;
+use gnurt_shading::lights::LightSet;
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 
@@ -102,9 +103,10 @@ fn all_radiance(
     };
     // The radiance of directly visible radiance-only shaders is used as it is.
     let probes = std::mem::replace(&mut tracer.probes, false);
-    let vertices = tracer.stopped(camera, &[]);
+    let mut passed = Vec::new();
+    let vertices = tracer.stopped(camera, &[], &mut |lane, vertex| passed.push((lane, vertex)));
     tracer.probes = probes;
-    go_on(tracer, pass, (walks, vertices), pixels, 1, (radiance, texels));
+    go_on(tracer, pass, (walks, Ends { vertices, passed }), pixels, 1, (radiance, texels));
     tracer.sharing = Sharing::All;
 }
 
@@ -139,16 +141,16 @@ pub(crate) fn split_radiance(
 fn go_on(
     tracer: &mut BatchTracer,
     pass: &PassLights,
-    (mut walks, mut vertices): (Walks<Walk>, Vec<Option<Vertex>>),
+    (mut walks, mut ends): (Walks<Walk>, Ends),
     keys: &[SampleKey],
     depth: u32,
     (radiance, mut texels): (&mut Vec3s, Option<&mut [Texel]>),
 ) {
     for depth in depth.. {
         if let Some(texels) = &mut texels {
-            split_radiance_only(tracer, &walks.carried, &vertices, texels);
+            split_radiance_only(tracer, &walks.carried, &ends.vertices, texels);
         }
-        let stops = arrive(tracer, pass, &walks, vertices, radiance);
+        let stops = arrive(tracer, pass, &walks, ends, radiance);
         if let Some(texels) = &mut texels {
             split_texels(tracer, &stops, radiance, texels);
         }
@@ -172,7 +174,7 @@ fn go_on(
         if walks.is_empty() {
             return;
         }
-        vertices = next(tracer, &walks, depth);
+        ends = next(tracer, &walks, depth);
     }
 }
 
@@ -224,14 +226,23 @@ fn split_radiance_only(
     }
 }
 
+/// Where walks lead.
+#[derive(Default)]
+struct Ends {
+    /// What stops each of them.
+    vertices: Vec<Option<Vertex>>,
+    /// What they pass on the way that emits, with the number of the walk.
+    passed: Vec<(usize, Vertex)>,
+}
+
 /// The hits of walks; radiance-only shaders seen directly or by mirrors show their own radiance.
-fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option<Vertex>> {
+fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Ends {
     let first_is_seen = walks.carried.first().is_some_and(|walk| walk.is_directly_visible);
     if walks.carried.iter().all(|walk| walk.is_directly_visible == first_is_seen) {
         return meet(tracer, walks, first_is_seen, depth);
     }
-    let mut vertices: Vec<Option<Vertex>> = Vec::new();
-    vertices.resize_with(walks.carried.len(), || None);
+    let mut ends = Ends::default();
+    ends.vertices.resize_with(walks.carried.len(), || None);
     for is_directly_visible in [true, false] {
         let mut some = Walks::default();
         for (i, walk) in walks
@@ -244,22 +255,20 @@ fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option
             some.push((walks.rays.get(i), cone), walk.key, i);
         }
         let found = meet(tracer, &some, is_directly_visible, depth);
-        some.carried.into_iter().zip(found).for_each(|(i, vertex)| vertices[i] = vertex);
+        let passed = found.passed.into_iter().map(|(k, vertex)| (some.carried[k], vertex));
+        ends.passed.extend(passed);
+        some.carried.into_iter().zip(found.vertices).for_each(|(i, vertex)| ends.vertices[i] = vertex);
     }
-    vertices
+    ends
 }
 
 /// The hits of walks of which all, or none, are directly visible.
-fn meet<W>(
-    tracer: &mut BatchTracer,
-    walks: &Walks<W>,
-    is_directly_visible: bool,
-    depth: u32,
-) -> Vec<Option<Vertex>> {
+fn meet<W>(tracer: &mut BatchTracer, walks: &Walks<W>, is_directly_visible: bool, depth: u32) -> Ends {
     let probes = std::mem::replace(&mut tracer.probes, !is_directly_visible);
-    let found = walks.meet(tracer, depth);
+    let mut passed = Vec::new();
+    let vertices = walks.meet_all(tracer, depth, &mut |lane, vertex| passed.push((lane, vertex)));
     tracer.probes = probes;
-    found
+    Ends { vertices, passed }
 }
 
 /// The light that virtual lights leave to rays, found by one ray.
@@ -316,14 +325,14 @@ pub(super) fn rest_at(
         );
         *found = Some(Rest { dir, cos, dist: f32::INFINITY, radiance: Vec3::ZERO });
     }
-    let vertices = next(tracer, &walks, edges);
-    for (walk, vertex) in walks.carried.iter().zip(&vertices) {
+    let ends = next(tracer, &walks, edges);
+    for (walk, vertex) in walks.carried.iter().zip(&ends.vertices) {
         if let (Some(found), Some(vertex)) = (&mut found[walk.lane as usize], vertex) {
             found.dist = vertex.t;
         }
     }
     let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
-    go_on(tracer, pass, (walks, vertices), &points.key, edges + 1, (&mut radiance, None));
+    go_on(tracer, pass, (walks, ends), &points.key, edges + 1, (&mut radiance, None));
     for (i, found) in found.iter_mut().enumerate() {
         if let Some(found) = found {
             found.radiance = radiance.get(i);
@@ -337,19 +346,19 @@ fn arrive(
     tracer: &mut BatchTracer,
     pass: &PassLights,
     walks: &Walks<Walk>,
-    vertices: Vec<Option<Vertex>>,
+    Ends { vertices, passed }: Ends,
     radiance: &mut Vec3s,
 ) -> Vec<Stop> {
     let lights = tracer.world.light_set();
     let mut stops = Vec::with_capacity(vertices.len());
     let Walks { rays, carried, .. } = walks;
+    for (i, vertex) in &passed {
+        emitted(lights, &carried[*i].absorbed(Some(vertex)), vertex, radiance);
+    }
     environment_of_shaders(tracer, carried, &vertices, rays, radiance);
     for (i, (walk, vertex)) in carried.iter().zip(vertices).enumerate() {
         let lane = walk.lane as usize;
         let walk = &walk.absorbed(vertex.as_ref());
-        let share = |pdf_light: f32| {
-            walk.last.map_or(1.0, |last| balance_heuristic(last.pdf, last.light_samples * pdf_light))
-        };
         let Some(vertex) = vertex else {
             let dir = Vec3::from(rays.get(i).dir);
             let is_backdrop = walk.edges == 1 && tracer.world.lights().backdrop.is_some();
@@ -359,25 +368,12 @@ fn arrive(
             };
             if radiance_there != Vec3::ZERO {
                 let pdf = walk.last.map_or(0.0, |last| lights.pdf_environment(last.point.p, last.side, dir));
-                radiance.add(lane, walk.throughput * radiance_there * (walk.light_gain * share(pdf)));
+                radiance
+                    .add(lane, walk.throughput * radiance_there * (walk.light_gain * share_of(walk, pdf)));
             }
             continue;
         };
-        let emission = vertex.scattering.emission;
-        if emission != Vec3::ZERO {
-            let light = lights.triangle(vertex.ids, -vertex.wo);
-            let pdf = walk.last.map_or(0.0, |last| {
-                let dist = (vertex.point.p - last.point.p).length();
-                light.filter(|_| !vertex.is_final).map_or(0.0, |light| {
-                    lights.pdf_triangle(last.point.p, last.side, light, -vertex.wo, dist)
-                })
-            });
-            // Light samples find the described emission, without the additional radiance of a probed shader.
-            let shown = vertex.shown;
-            let gain = if light.is_some() { walk.light_gain } else { 1.0 };
-            radiance.add(lane, walk.throughput * (emission - shown) * (gain * share(pdf)));
-            radiance.add(lane, walk.throughput * shown);
-        }
+        emitted(lights, walk, &vertex, radiance);
         if vertex.is_final || walk.edges >= tracer.options.max_depth {
             continue;
         }
@@ -390,6 +386,32 @@ fn arrive(
         }
     }
     stops
+}
+
+/// The weight of light at the end of a walk that light samples find with density `pdf_light`, too.
+fn share_of(walk: &Walk, pdf_light: f32) -> f32 {
+    walk.last.map_or(1.0, |last| balance_heuristic(last.pdf, last.light_samples * pdf_light))
+}
+
+/// Adds the emission of a surface that a walk met.
+fn emitted(lights: &LightSet, walk: &Walk, vertex: &Vertex, radiance: &mut Vec3s) {
+    let emission = vertex.scattering.emission;
+    if emission == Vec3::ZERO {
+        return;
+    }
+    let lane = walk.lane as usize;
+    let light = lights.triangle(vertex.ids, -vertex.wo);
+    let pdf = walk.last.map_or(0.0, |last| {
+        let dist = (vertex.point.p - last.point.p).length();
+        light
+            .filter(|_| !vertex.is_final)
+            .map_or(0.0, |light| lights.pdf_triangle(last.point.p, last.side, light, -vertex.wo, dist))
+    });
+    // Light samples find the described emission, without the additional radiance of a probed shader.
+    let shown = vertex.shown;
+    let gain = if light.is_some() { walk.light_gain } else { 1.0 };
+    radiance.add(lane, walk.throughput * (emission - shown) * (gain * share_of(walk, pdf)));
+    radiance.add(lane, walk.throughput * shown);
 }
 
 /// Radiance of walks that left the scene, if only a shader knows the environment.

@@ -72,12 +72,9 @@ impl Met<'_> {
         opacity::is_met(self.options.seed, path.key, path.edges, self.closures.coverage(k))
     }
 
-    /// Continues the path at point `k` if it passes through; returns whether it does.
-    fn passes(&self, k: usize, onward: &mut Onward) -> bool {
+    /// Continues the path at point `k` straight through.
+    fn pass(&self, k: usize, onward: &mut Onward) {
         let mut path = self.path(k);
-        if self.is_there(k, &path) {
-            return false;
-        }
         path.layers += 1;
         if self.medium != 0 {
             path.inside = path.inside.crossing(self.medium, self.points.front(k));
@@ -93,14 +90,16 @@ impl Met<'_> {
                 linked.pass(self.numbers[k] as usize);
             }
         }
-        true
     }
 
-    /// Whether the path at point `k` comes straight from the camera and sees a hole.
-    fn is_held_out(&self, k: usize, onward: &mut Onward) -> bool {
+    /// Whether the path at point `k` comes straight from the camera and sees a hole, which it may pass.
+    fn is_held_out(&self, k: usize, passes: bool, onward: &mut Onward) -> bool {
         let path = self.path(k);
         let is_one = is_hole(self.world, path.edges, self.points.inst_id[k]);
-        if is_one && let Some(held) = onward.held.as_mut().and_then(|held| held.get_mut(path.lane as usize)) {
+        if is_one
+            && !passes
+            && let Some(held) = onward.held.as_mut().and_then(|held| held.get_mut(path.lane as usize))
+        {
             *held = true;
         }
         is_one
@@ -158,18 +157,23 @@ impl Met<'_> {
         )
     }
 
-    /// Adds the emission of the surface, and the background behind it.
-    fn take_light(&self, k: usize, lights: &LightSet, onward: &mut Onward) {
+    /// Adds the emission of the surface and, if it stops the path, the background behind it.
+    fn take_light(&self, k: usize, passes: bool, lights: &LightSet, onward: &mut Onward) {
         let (path, clamp) = (self.path(k), self.options.clamp);
-        if let Some(behind) = self.backdrop {
+        if let Some(behind) = self.backdrop.filter(|_| !passes) {
             let light = add(onward.radiance, path.lane, path.throughput * behind, path.edges, clamp);
             if let Some(ledger) = &mut onward.ledger {
                 let end = ledger.paths.classes.background();
                 ledger.found(self.numbers[k] as usize, (path.lane, light), end);
             }
         }
-        let found = self.closures.emission(k);
+        let mut found = self.closures.emission(k);
         if found != Vec3::ZERO {
+            if passes && self.paths.has_media() {
+                // Paths that are stopped are dimmed as a whole.
+                let dist = (self.points.p.get(k) - path.start).length();
+                found *= left_after(dist, [path.absorption, self.closures.medium(k).on(true)]);
+            }
             let found = self.counted(found, lights, &path, (k, onward.linked.as_deref()));
             let light = add(onward.radiance, path.lane, path.throughput * found, path.edges, clamp);
             if let Some(ledger) = &mut onward.ledger {
@@ -235,11 +239,17 @@ pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
         let mut there = u64::MAX >> (64 - W::R::LANES.min(count - first));
         if needs_vertices {
             for i in LanesOf(there) {
-                let passes = met.closures.is_partly_transparent() && met.passes(first + i, onward);
-                if passes || (has_holdouts && met.is_held_out(first + i, onward)) {
+                let k = first + i;
+                let passes = met.closures.is_partly_transparent() && !met.is_there(k, &met.path(k));
+                let is_held_out = has_holdouts && met.is_held_out(k, passes, onward);
+                if !is_held_out {
+                    met.take_light(k, passes, met.world.light_set(), onward);
+                }
+                if passes {
+                    met.pass(k, onward);
+                }
+                if passes || is_held_out {
                     there &= !(1 << i);
-                } else {
-                    met.take_light(first + i, met.world.light_set(), onward);
                 }
             }
         }

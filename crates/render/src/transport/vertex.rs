@@ -30,7 +30,7 @@ pub(crate) struct Vertex {
     pub(crate) point: SurfacePoint,
     /// Unit, to where the ray came from.
     pub(crate) wo: Vec3,
-    /// Scattering, emission and opacity.
+    /// Scattering, emission and opacity. Emission counts whether or not the path is stopped.
     pub(crate) scattering: Scattering,
     /// Whether only its shader knows its radiance: the emission then is all of it, and paths end here.
     pub(crate) is_final: bool,
@@ -80,7 +80,10 @@ impl BatchTracer<'_> {
         let Some(shader) = shader.radiance() else { return Known::Closures };
         if self.probes {
             self.dark = radiance_only::probe(shader, points, self.options.white, closures);
-            (0..points.len()).for_each(|k| closures.emit(k, self.dark.get(k)));
+            for k in 0..points.len() {
+                self.dark.set(k, self.dark.get(k) * closures.coverage(k));
+                closures.emit(k, self.dark.get(k));
+            }
             return Known::Probed;
         }
         let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
@@ -89,7 +92,7 @@ impl BatchTracer<'_> {
             // This part is excluded from averaging.
             radiance_only::probe(shader, points, self.options.white, closures);
         }
-        (0..points.len()).for_each(|k| closures.emit(k, radiance.get(k)));
+        (0..points.len()).for_each(|k| closures.emit(k, radiance.get(k) * closures.coverage(k)));
         Known::Shown
     }
 

@@ -59,6 +59,16 @@ impl<W> Walks<W> {
 
     /// The vertex where each is stopped; `None` where it leaves the scene. `depth` counts edges.
     pub(crate) fn meet(&self, tracer: &mut BatchTracer, depth: u32) -> Vec<Option<Vertex>> {
+        self.meet_all(tracer, depth, &mut |_, _| ())
+    }
+
+    /// The same; calls `passed` with each surface that emits and that a ray, by its lane, passes.
+    pub(crate) fn meet_all(
+        &self,
+        tracer: &mut BatchTracer,
+        depth: u32,
+        passed: &mut dyn FnMut(usize, Vertex),
+    ) -> Vec<Option<Vertex>> {
         if self.is_empty() {
             return Vec::new();
         }
@@ -66,14 +76,19 @@ impl<W> Walks<W> {
         let hits = tracer.intersect(RayMask::OTHER, &self.rays, &self.keys, Coherence::Incoherent);
         let (rays, keys, cones) = (&self.rays, &self.keys, self.cones.as_ref());
         let from = HitLanes { rays, keys, hits: &hits, cones, depth };
-        tracer.stopped(from, &self.chances)
+        tracer.stopped(from, &self.chances, passed)
     }
 }
 
 impl BatchTracer<'_> {
     /// The vertex where each ray stops, given its hit. A partly transparent surface is passed at random, by
-    /// the `chances` of the rays, or by their keys if there are none.
-    pub(crate) fn stopped(&mut self, from: HitLanes, chances: &[f32]) -> Vec<Option<Vertex>> {
+    /// the `chances` of the rays, or by their keys if there are none; `passed` gets those that emit, by their lanes.
+    pub(crate) fn stopped(
+        &mut self,
+        from: HitLanes,
+        chances: &[f32],
+        passed: &mut dyn FnMut(usize, Vertex),
+    ) -> Vec<Option<Vertex>> {
         let (depth, seed) = (from.depth, self.options.seed);
         let mut vertices = self.vertices(from);
         // Vertices that may be transparent, with their keys and random numbers.
@@ -95,6 +110,11 @@ impl BatchTracer<'_> {
                     let straight = vertex.point.spawn(-vertex.wo, f32::INFINITY);
                     let carried = (lane, probability.map(|_| next));
                     beyond.push((straight, vertex.cone.straight()), opacity::key_beyond(key), carried);
+                    if let Some(vertex) =
+                        vertices[lane].take_if(|vertex| vertex.scattering.emission != Vec3::ZERO)
+                    {
+                        passed(lane, vertex);
+                    }
                 } else {
                     vertex.darken();
                 }

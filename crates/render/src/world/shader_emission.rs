@@ -131,7 +131,7 @@ impl ShaderEmission {
             closures.reset(some.len());
             shader.evaluate(points, closures);
             for i in 0..some.len() {
-                let radiance = closures.emission(i) * closures.coverage(i);
+                let radiance = closures.emission(i);
                 with(
                     block * LANES + i,
                     if radiance.is_finite() { radiance.max(Vec3::ZERO) } else { Vec3::ZERO },

@@ -248,7 +248,7 @@ impl ClosureBatch {
         }
     }
 
-    /// Radiance that point `i` sends against its ray.
+    /// Radiance that point `i` sends against its ray, whatever share of light it stops.
     #[must_use]
     pub fn emission(&self, i: usize) -> Vec3 {
         let [x, y, z] = &self.blocks[i / LANES].emission;
@@ -285,6 +285,16 @@ impl ClosureBatch {
     pub fn cover(&mut self, i: usize, share: f32) {
         self.is_partly_transparent |= share < 1.0;
         self.blocks[i / LANES].coverage.0[i % LANES] *= share;
+    }
+
+    /// The same for a surface that is there in this share only: it emits no more than that either.
+    pub fn fade(&mut self, i: usize, share: f32) {
+        if share < 1.0 {
+            self.cover(i, share);
+            for row in &mut self.blocks[i / LANES].emission {
+                row.0[i % LANES] *= share;
+            }
+        }
     }
 
     /// Sets the media beside point `i`.

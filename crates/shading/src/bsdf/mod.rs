@@ -290,7 +290,7 @@ impl Bsdf {
 pub struct Scattering {
     /// Its scattering.
     pub bsdf: Bsdf,
-    /// Radiance that it sends against the ray.
+    /// Radiance that it sends against the ray, whatever share of light it stops.
     pub emission: Vec3,
     /// Share of light that the surface stops, in [0, 1]; the rest goes straight on as if nothing were there.
     pub coverage: f32,

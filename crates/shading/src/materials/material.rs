@@ -95,7 +95,7 @@ impl SurfaceShader for Material {
                 out.emit(i, emission.at_hit(hits, i));
             }
             if let Some(coverage) = &self.coverage {
-                out.cover(i, coverage.at_hit(hits, i));
+                out.fade(i, coverage.at_hit(hits, i));
             }
         }
     }

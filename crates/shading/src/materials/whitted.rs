@@ -26,7 +26,7 @@ mod branch {
     pub(super) const STRAIGHT: u32 = 2;
 }
 
-/// Adds to `out` the radiance that leaves each point against its ray: coverage * (scattered + emitted) + (1 -
+/// Adds to `out` the radiance that leaves each point against its ray: emitted + coverage * scattered + (1 -
 /// coverage) * radiance straight behind. `closures` is memory.
 pub fn recursive_radiance(
     tracer: &mut dyn Tracer,
@@ -51,6 +51,9 @@ pub fn recursive_radiance(
         for (k, &i) in solid.iter().enumerate() {
             out.add(i as usize, radiance.get(k) * points[i as usize].coverage);
         }
+    }
+    for (i, point) in points.iter().enumerate().filter(|(_, point)| point.emission != Vec3::ZERO) {
+        out.add(i, point.emission);
     }
     let mut behind = Branches::default();
     for &i in &open {
@@ -84,9 +87,6 @@ fn solid_radiance(
     match surface.radiance() {
         Some(shader) => shader.shade(tracer, hits, out),
         None => scattered_radiance(tracer, hits, points, out),
-    }
-    for (i, point) in points.iter().enumerate().filter(|(_, point)| point.emission != Vec3::ZERO) {
-        out.add(i, point.emission);
     }
 }
 

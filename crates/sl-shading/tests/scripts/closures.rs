@@ -184,6 +184,12 @@ fn sums_weights_and_layers() {
 fn light_goes_straight_through() {
     let open = point("Ci = transparent ();");
     assert_eq!(open.coverage, 0.0, "nothing is there");
+    let lamp = point("Ci = color (1, 2, 3) * emission () + transparent ();");
+    assert_eq!(
+        (lamp.emission, lamp.coverage),
+        (Vec3::new(1.0, 2.0, 3.0), 0.0),
+        "it shines, and stops nothing"
+    );
     let half = point("Ci = 0.5 * transparent () + 0.5 * diffuse (N);");
     assert_eq!(half.coverage, 0.5);
     let albedo = half.bsdf.albedo(toward()).x * half.coverage;
@@ -318,6 +324,6 @@ fn surface_shaders_of_materialx_are_taken_as_ci() {
     assert!(made.warnings().is_empty(), "{:?}", made.warnings());
     made.surface().expect("a surface").evaluate(&hits, &mut out);
     let point = out.point(0);
-    assert_eq!((point.emission, point.coverage), (Vec3::splat(3.0), 0.25), "of the part that is there");
+    assert_eq!((point.emission, point.coverage), (Vec3::splat(0.75), 0.25), "opacity weighs it");
     assert_eq!(point.bsdf.lobes().as_slice().len(), 1);
 }
