@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The cost of reading files, in memory and in work, bounded by their lengths: of a picture, a volume, or a scene with its files.
 //! Invariants: memory is requested before it is allocated. Memory held at once stays below [`BELIEVED`] or,
-//! for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures). All bytes
+//! for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures and compressed meshes). All bytes
 //! ever processed stay below [`WORK`] or [`WORK_GROWTH`] times the files' own, so that no short file takes
 //! long.
 //! Tests: `tests`; `tests/growth.rs` of this crate and of the scene crate count every allocation.
@@ -103,6 +103,12 @@ impl Budget {
     /// Counts a picture of this many bytes that was read.
     pub fn add_picture(&self, bytes: u64) {
         self.add(bytes, PICTURE_GROWTH);
+    }
+
+    /// Counts that a file of this many bytes, added before, may hold compressed meshes.
+    pub fn add_compressed(&self, bytes: u64) {
+        let more = bytes.saturating_mul(PICTURE_GROWTH - GROWTH);
+        self.accounted.set(self.accounted.get().saturating_add(more));
     }
 
     fn add(&self, bytes: u64, growth: u64) {

@@ -10,6 +10,7 @@ mod broken_files;
 mod builtin;
 mod common;
 mod confine;
+mod draco;
 mod gltf;
 mod gltf_extensions;
 mod mutations;

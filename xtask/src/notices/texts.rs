@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use super::parts::Part;
+use crate::command;
 use crate::failure::Failure;
 use crate::install::files::files_in;
 
@@ -58,6 +59,12 @@ fn of_part(part: &Part) -> Result<Vec<String>, Failure> {
         };
         return if may_be_mit {
             Ok(vec![mit(&holders)])
+        } else if part.license == "Apache-2.0" {
+            // The text names no holders.
+            let path = command::root().join("LICENSES/Apache-2.0.txt");
+            let text =
+                std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+            Ok(vec![text.trim_matches('\n').to_owned()])
         } else {
             Err(format!("{} {}: no licence file in {}", part.name, part.version, part.folder.display()))
         };

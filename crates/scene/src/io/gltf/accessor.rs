@@ -3,6 +3,7 @@
 //! Source: glTF 2.0 section 3.6.2. Declared counts are checked against the buffer before memory is taken.
 //! Tests: `tests/gltf.rs`, `tests/broken_files.rs`.
 
+use super::decoded::{Array, ComponentType, Decoded};
 use super::document::Document;
 use super::json::{Accessor, Index};
 use crate::io::Error;
@@ -10,41 +11,15 @@ use crate::io::Error;
 /// Least bytes of an element of at most four components in memory.
 const LEAST_HELD: usize = 16;
 
-/// Types of components, by glTF's numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ComponentType {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-    F64,
-}
-
-impl ComponentType {
-    fn of(number: u64) -> Option<Self> {
-        Some(match number {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            // KHR_accessor_float64.
-            5130 => Self::F64,
-            _ => return None,
-        })
-    }
-}
-
 /// Reads an accessor of at least `N` components as floats: normalized integers in their range, others as they are.
+/// Values of `decoded` replace those of its accessors.
 pub(super) fn floats<const N: usize>(
     document: &Document<'_>,
     index: Index,
     location: &str,
+    decoded: Option<&Decoded>,
 ) -> Result<Vec<[f32; N]>, Error> {
-    let reader = Reader::new(document, index, location)?;
+    let reader = Reader::new(document, index, location, decoded)?;
     if reader.components < N {
         let problem = format!("accessor {} has {} components", index.0, reader.components);
         return Err(document.error(location, problem, &format!("expected {N}")));
@@ -77,7 +52,7 @@ pub(super) fn indices(
 
 /// Reads an accessor of one unsigned integer each.
 fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<u32>, Error> {
-    let reader = Reader::new(document, index, location)?;
+    let reader = Reader::new(document, index, location, None)?;
     let unsigned = matches!(reader.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
     if reader.components != 1 || !unsigned {
         return Err(document.error(
@@ -92,8 +67,13 @@ fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec
 }
 
 /// Reads an accessor of four unsigned integers each: the joints of a skin.
-pub(super) fn joints(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<[u32; 4]>, Error> {
-    let reader = Reader::new(document, index, location)?;
+pub(super) fn joints(
+    document: &Document<'_>,
+    index: Index,
+    location: &str,
+    decoded: Option<&Decoded>,
+) -> Result<Vec<[u32; 4]>, Error> {
+    let reader = Reader::new(document, index, location, decoded)?;
     if reader.components != 4 {
         return Err(document.error(location, "joints of a wrong type", "expected VEC4 of unsigned integers"));
     }
@@ -114,10 +94,17 @@ struct Reader<'a> {
     components: usize,
     normalized: bool,
     count: usize,
+    /// The values in place of the accessor's own.
+    array: Option<&'a Array>,
 }
 
 impl<'a> Reader<'a> {
-    fn new(document: &'a Document<'_>, index: Index, location: &'a str) -> Result<Self, Error> {
+    fn new(
+        document: &'a Document<'_>,
+        index: Index,
+        location: &'a str,
+        decoded: Option<&'a Decoded>,
+    ) -> Result<Self, Error> {
         let accessor: Accessor<'_> = document.get(&document.root.accessors, index, location, "accessor")?;
         let components = match &*accessor.shape {
             "SCALAR" => 1,
@@ -131,9 +118,14 @@ impl<'a> Reader<'a> {
         let Some(component) = ComponentType::of(accessor.component_type).filter(|_| components > 0) else {
             return Err(document.error(location, format!("accessor {} has an unknown type", index.0), ""));
         };
-        let count = usize::try_from(accessor.count).unwrap_or(usize::MAX);
+        let array = decoded.and_then(|decoded| Some((decoded.count, decoded.array(index)?)));
+        let (component, components, count) = match array {
+            Some((count, array)) => (array.component, array.components, count),
+            None => (component, components, usize::try_from(accessor.count).unwrap_or(usize::MAX)),
+        };
         let normalized = accessor.normalized;
-        let reader = Self { document, accessor, location, component, components, normalized, count };
+        let array = array.map(|(_, array)| array);
+        let reader = Self { document, accessor, location, component, components, normalized, count, array };
         // After this check all `count` elements exist, so the caller may allocate memory for them.
         reader.for_each_plain(|_, _| {}, true)?;
         // No array that is made of it has more bytes per element.
@@ -180,7 +172,12 @@ impl<'a> Reader<'a> {
 
     /// The elements in the buffer view; with `check_only`, only whether they fit.
     fn for_each_plain(&self, mut element: impl FnMut(usize, &[u8]), check_only: bool) -> Result<(), Error> {
-        if let Some(view) = self.accessor.buffer_view {
+        if let Some(array) = self.array {
+            if !check_only {
+                let elements = array.bytes.chunks_exact(self.element_bytes().max(1));
+                elements.enumerate().for_each(|(i, bytes)| element(i, bytes));
+            }
+        } else if let Some(view) = self.accessor.buffer_view {
             let offset = self.accessor.byte_offset;
             let span = self.span(view, offset, self.element_bytes(), self.count)?;
             if !check_only {

@@ -243,7 +243,7 @@ impl<'d> Reader<'_, 'd> {
 /// The first `N` components of each element, one after the other.
 fn flat<const N: usize>(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<f32>, Error> {
     let before = document.budget().held();
-    let values = floats::<N>(document, index, location)?.into_flattened();
+    let values = floats::<N>(document, index, location, None)?.into_flattened();
     document.budget().settle(before);
     document.hold(size_of_val(&values[..]), location)?;
     Ok(values)

@@ -20,6 +20,9 @@ use crate::io::source::{self, Access};
 use crate::io::{Error, Oddity, Warnings};
 use gnurt_image::{Budget, Excess};
 
+/// The compression of primitives, which `draco` reads.
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
+
 /// Extensions that are shown, or whose absence is invisible.
 const KNOWN_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
@@ -28,6 +31,7 @@ const KNOWN_EXTENSIONS: &[&str] = &[
     "EXT_texture_webp",
     "KHR_accessor_float64",
     "KHR_animation_pointer",
+    DRACO,
     "KHR_gaussian_splatting",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
@@ -52,9 +56,6 @@ const KNOWN_EXTENSIONS: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Extensions without which there is nothing to be seen.
-const COMPRESSIONS: &[&str] = &["KHR_draco_mesh_compression"];
-
 /// Extensions whose textures get a warning where a material reads one.
 const TOLD_WHERE_USED: &[&str] = &["EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
 
@@ -75,9 +76,6 @@ const UNSEEN: &[&str] = &[
 fn is_unseen(name: &str) -> bool {
     UNSEEN.iter().any(|start| name.starts_with(start))
 }
-
-/// The remedy for a compressed mesh.
-const DECOMPRESS: &str = "this program does not unpack it; write the file without compression";
 
 /// The limit of files in the list of a document's files.
 const MOST_FILES: usize = 1 << 16;
@@ -146,6 +144,9 @@ impl<'a> Document<'a> {
         document.root = serde_json::from_str(json)
             .map_err(|error| document.old().unwrap_or_else(|| document.broken("", json, &error)))?;
         document.check(warnings)?;
+        if document.uses(DRACO) {
+            access.budget.add_compressed(bytes.len() as u64);
+        }
         let pieces = document.root.pieces() * size_of::<&RawValue>();
         document.hold(pieces, "the document")?;
         if access.is_confined() {
@@ -186,9 +187,6 @@ impl<'a> Document<'a> {
             return Err(self.other_version(&asset.version));
         }
         for name in self.root.extensions_required.iter().map(|name| &**name) {
-            if COMPRESSIONS.contains(&name) {
-                return Err(Error::data(&self.path, None, format!("{name} is required"), DECOMPRESS));
-            }
             if !KNOWN_EXTENSIONS.contains(&name) && !is_unseen(name) {
                 let problem = format!("the file requires the extension {}", quoted(name));
                 return Err(Error::data(&self.path, None, problem, "write the file without it"));
@@ -201,8 +199,7 @@ impl<'a> Document<'a> {
     /// Warns about extensions that are used but not supported.
     fn warn_unknown(&self, warnings: &mut Warnings) {
         for name in self.root.extensions_used.iter().map(|name| &**name) {
-            let is_reported =
-                [KNOWN_EXTENSIONS, COMPRESSIONS, TOLD_WHERE_USED].iter().any(|list| list.contains(&name));
+            let is_reported = [KNOWN_EXTENSIONS, TOLD_WHERE_USED].iter().any(|list| list.contains(&name));
             if !is_reported && !is_unseen(name) {
                 warnings.note(Oddity::NotShown, &self.path, None, format!("extension {}", quoted(name)));
             }
@@ -234,11 +231,6 @@ impl<'a> Document<'a> {
     /// A fault at a location such as `meshes[3]`.
     pub(super) fn error(&self, location: &str, problem: impl std::fmt::Display, remedy: &str) -> Error {
         Error::data(&self.path, None, format!("{location}: {problem}"), remedy)
-    }
-
-    /// A mesh that only its compressed form holds.
-    pub(super) fn compressed(&self, location: &str) -> Error {
-        self.error(location, "the mesh is compressed by KHR_draco_mesh_compression", DECOMPRESS)
     }
 
     /// Parses a piece of the JSON; `what` names it in a message.
@@ -351,6 +343,11 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
+    /// Whether the file requires an extension.
+    pub(super) fn requires(&self, name: &str) -> bool {
+        self.root.extensions_required.iter().any(|required| **required == *name)
+    }
+
     /// Whether the file uses an extension.
     fn uses(&self, name: &str) -> bool {
         self.root.extensions_used.iter().any(|used| **used == *name)
@@ -425,6 +422,9 @@ impl<'a> Document<'a> {
             return Ok(bytes.clone());
         }
         let bytes = self.access.read(&file, longest).map_err(|e| self.error(location, e.to_string(), ""))?;
+        if self.uses(DRACO) {
+            self.budget().add_compressed(bytes.len() as u64);
+        }
         let bytes = Rc::new(bytes);
         files.insert(true_name, bytes.clone());
         Ok(bytes)

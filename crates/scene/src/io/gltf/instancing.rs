@@ -18,12 +18,14 @@ pub(super) fn copies(
 ) -> Result<Option<Vec<Affine>>, Error> {
     let transform = format!("nodes[{}].extensions.EXT_mesh_gpu_instancing", node.0);
     let read3 = |index: Option<Index>| {
-        index.map(|index| accessor::floats::<3>(document, index, &transform)).transpose()
+        index.map(|index| accessor::floats::<3>(document, index, &transform, None)).transpose()
     };
     let attributes = &from.attributes;
     let translations = read3(attributes.translation)?;
-    let rotations =
-        attributes.rotation.map(|index| accessor::floats::<4>(document, index, &transform)).transpose()?;
+    let rotations = attributes
+        .rotation
+        .map(|index| accessor::floats::<4>(document, index, &transform, None))
+        .transpose()?;
     let scales = read3(attributes.scale)?;
     let counts = [
         translations.as_ref().map(Vec::len),

@@ -663,11 +663,19 @@ pub(super) struct Target {
 #[serde(default)]
 pub(super) struct PrimitiveExtensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
-    pub(super) draco: Option<IgnoredAny>,
+    pub(super) draco: Option<Draco>,
     #[serde(rename = "KHR_gaussian_splatting")]
     pub(super) splats: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_variants")]
     pub(super) variants: Option<Mappings>,
+}
+
+/// A compressed primitive: its stream, and the unique ids of the attributes in it.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Draco {
+    pub(super) buffer_view: Index,
+    pub(super) attributes: Attributes,
 }
 
 /// The materials of a primitive by variants.
@@ -683,7 +691,7 @@ pub(super) struct Mapping {
     pub(super) variants: Vec<Index>,
 }
 
-/// The accessors of a primitive's vertices.
+/// The accessors of a primitive's vertices, or their ids in a compressed stream.
 #[derive(Default)]
 pub(super) struct Attributes {
     pub(super) positions: Option<Index>,

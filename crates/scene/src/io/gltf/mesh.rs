@@ -3,8 +3,10 @@
 //! Source: glTF 2.0 section 3.7. Triangles, strips and fans; points and lines are left out with a warning.
 //! Space: that of the mesh; v is flipped upwards. Tests: `tests/gltf.rs`.
 
-use super::accessor::{floats, indices};
+use super::accessor::indices;
+use super::decoded::Decoded;
 use super::document::Document;
+use super::draco;
 use super::json::{self, Index, Primitive};
 use super::material::AddedMaterial;
 use super::primitive::PrimitiveReader;
@@ -47,9 +49,12 @@ pub(super) fn read(
     for k in 0..from.primitives.len() {
         let location = format!("meshes[{}].primitives[{k}]", index.0);
         let primitive: Primitive = document.get(&from.primitives, Index(k as u32), &location, "primitive")?;
-        let reader = PrimitiveReader { document, primitive: &primitive, location: &location };
         let before = document.budget().held();
-        let Some((mut mesh, mut parts)) = reader.mesh(bending, materials, warnings)? else {
+        let decoded = draco::decode(document, &primitive, &location, warnings)?;
+        let reader = PrimitiveReader { document, primitive: &primitive, location: &location, decoded };
+        let read = reader.mesh(bending, materials, warnings)?;
+        drop(reader);
+        let Some((mut mesh, mut parts)) = read else {
             document.budget().settle(before);
             continue;
         };
@@ -98,7 +103,6 @@ impl PrimitiveReader<'_> {
             warnings.note(Oddity::NotShown, path, None, format!("{}: no positions", self.location));
             return Ok(None);
         };
-        self.refuse_compression(positions)?;
         let default = materials.len() - 1;
         let material = match material_of(self.primitive, self.document.variant) {
             Some(index) if index.value() < default => materials[index.value()],
@@ -108,7 +112,7 @@ impl PrimitiveReader<'_> {
             }
             None => materials[default],
         };
-        let positions = floats::<3>(self.document, positions, self.location)?;
+        let positions = self.floats::<3>(positions)?;
         let count = positions.len();
         let texcoords =
             |set: u32| attributes.texcoords.iter().find(|(n, _)| *n == set).map(|&(_, index)| index);
@@ -193,7 +197,7 @@ impl PrimitiveReader<'_> {
         let Some(index) = index else {
             return Ok(Vec::new());
         };
-        let values = floats::<N>(self.document, index, self.location)?;
+        let values = self.floats::<N>(index)?;
         if values.len() != count {
             let detail = format!("{}: {} values for {count} vertices", self.location, values.len());
             warnings.note(Oddity::BadAttribute, &self.document.path, None, detail);
@@ -221,9 +225,15 @@ impl PrimitiveReader<'_> {
         let Some(index) = self.primitive.attributes.colors else {
             return Ok(Vec::new());
         };
-        let accessor: json::Accessor<'_> =
-            self.document.get(&self.document.root.accessors, index, self.location, "accessor")?;
-        if &*accessor.shape == "VEC4" {
+        let has_opacity = match self.decoded.as_ref().and_then(|decoded| decoded.array(index)) {
+            Some(array) => array.components == 4,
+            None => {
+                let accessor: json::Accessor<'_> =
+                    self.document.get(&self.document.root.accessors, index, self.location, "accessor")?;
+                &*accessor.shape == "VEC4"
+            }
+        };
+        if has_opacity {
             return self.optional::<4>(Some(index), count, warnings);
         }
         let colors = self.optional::<3>(Some(index), count, warnings)?;
@@ -231,20 +241,20 @@ impl PrimitiveReader<'_> {
         Ok(colors.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect())
     }
 
-    /// Draco's own vertices are the only ones where the accessor has none.
-    fn refuse_compression(&self, positions: Index) -> Result<(), Error> {
-        if self.primitive.extensions.draco.is_none() {
-            return Ok(());
+    /// The triangles of a stream, whatever the mode: a strip was divided before it was compressed.
+    fn decoded_triangles(&self, decoded: &Decoded, count: usize) -> Result<Vec<[u32; 3]>, Error> {
+        if let Some(bad) = decoded.triangles.as_flattened().iter().find(|&&i| i as usize >= count) {
+            let problem = format!("vertex index {bad} out of range; there are {count} vertices");
+            return Err(self.document.error(self.location, problem, "write the file again"));
         }
-        let accessor: json::Accessor<'_> =
-            self.document.get(&self.document.root.accessors, positions, self.location, "accessor")?;
-        match (accessor.buffer_view, &accessor.sparse) {
-            (None, None) => Err(self.document.compressed(self.location)),
-            _ => Ok(()),
-        }
+        self.document.hold(CORNER_BYTES * 3 * decoded.triangles.len(), self.location)?;
+        Ok(decoded.triangles.clone())
     }
 
     fn triangles(&self, mode: Mode, count: usize) -> Result<Vec<[u32; 3]>, Error> {
+        if let Some(decoded) = &self.decoded {
+            return self.decoded_triangles(decoded, count);
+        }
         let (order, restart) = match self.primitive.indices {
             Some(index) => indices(self.document, index, self.location)?,
             None => {

@@ -126,7 +126,7 @@ impl<'a> Rig<'a> {
         document.work(bytes, &skin_place)?;
         document.hold(bytes, &skin_place)?;
         let inverse_binds = match skin.inverse_bind_matrices {
-            Some(accessor) => super::accessor::floats::<16>(document, accessor, &skin_place)?,
+            Some(accessor) => super::accessor::floats::<16>(document, accessor, &skin_place, None)?,
             None => Vec::new(),
         };
         if !inverse_binds.is_empty() && inverse_binds.len() < skin.joints.len() {

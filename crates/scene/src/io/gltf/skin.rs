@@ -6,7 +6,6 @@
 //! Space: a skinned mesh comes out in world space, for its node's own transform does not count.
 //! Tests: `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`, `tests/animation.rs`.
 
-use super::accessor::{floats, joints};
 use super::json::{Index, Target};
 use super::primitive::PrimitiveReader;
 use crate::affine::Affine;
@@ -139,7 +138,7 @@ impl PrimitiveReader<'_> {
         let mut deltas = |index: Option<Index>, count: usize| -> Result<Deltas, Error> {
             let Some(index) = index.filter(|_| count > 0) else { return Ok(Deltas::default()) };
             let before = self.document.budget().held();
-            let values = floats::<3>(self.document, index, self.location)?;
+            let values = self.floats::<3>(index)?;
             if values.len() != count {
                 let detail =
                     format!("{}: a morph target of {} of {count} vertices", self.location, values.len());
@@ -174,8 +173,8 @@ impl PrimitiveReader<'_> {
             };
             // The data read, and the data made of it.
             document.hold(vertices.saturating_mul(2 * 4 * size_of::<(u32, f32)>() + 4), self.location)?;
-            let joints = joints(document, joint_index, self.location)?;
-            let weights = floats::<4>(document, weight_index, self.location)?;
+            let joints = self.joints(joint_index)?;
+            let weights = self.floats::<4>(weight_index)?;
             if joints.len() != vertices || weights.len() != vertices {
                 let (j, w) = (joints.len(), weights.len());
                 let detail = format!("{}: {j} joints and {w} weights for {vertices} vertices", self.location);
