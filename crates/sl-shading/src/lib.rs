@@ -28,6 +28,7 @@ mod sky;
 mod stored;
 mod surface;
 mod surface_state;
+mod texture_info;
 mod textures;
 mod volumes;
 mod world;

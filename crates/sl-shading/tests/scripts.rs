@@ -20,6 +20,8 @@ mod pixels;
 mod relief;
 #[path = "scripts/stored.rs"]
 mod stored;
+#[path = "scripts/tiles.rs"]
+mod tiles;
 #[path = "scripts/volumes.rs"]
 mod volumes;
 #[path = "scripts/wrong.rs"]
