@@ -19,6 +19,7 @@ mod light;
 mod live;
 mod lobe;
 mod mtlx;
+mod outputs;
 mod parameter;
 mod parts;
 mod pixel;

@@ -141,7 +141,7 @@ impl Textures {
             return found.clone();
         }
         let found = self.find(name, "").and_then(|sampler| {
-            let of_file = || read_stored(&*self.allowed(name)?).map_err(|error| error.to_string());
+            let of_file = || read_stored(&self.allowed(name)?).map_err(|error| error.to_string());
             let mut file = match self.access.pictures.contains_key(name) {
                 true => gnurt_image::Stored::of_texels(&sampler.texels),
                 false => of_file()?,

@@ -14,6 +14,8 @@ mod live;
 #[cfg(feature = "materialx")]
 #[path = "scripts/mtlx.rs"]
 mod mtlx;
+#[path = "scripts/outputs.rs"]
+mod outputs;
 #[path = "scripts/pixels.rs"]
 mod pixels;
 #[path = "scripts/relief.rs"]
