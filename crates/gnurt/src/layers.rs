@@ -3,7 +3,7 @@
 //! Tests: `tests`, crates/cli/tests/program/layers.rs.
 
 use gnurt_image::{BACKGROUND, Picture};
-use gnurt_render::{GROUP_PREFIX, LightLayer, MatteKind, UNGROUPED};
+use gnurt_render::{GROUP_PREFIX, LightLayer, MatteKind, OUTPUT_PREFIX, UNGROUPED};
 
 use crate::mattes::is_matte;
 
@@ -60,7 +60,8 @@ pub enum LayerError {
 }
 
 /// The other entries of a list.
-pub const FORMS: &str = "light:NAME is a light group, NAME=EXPRESSION a light path expression";
+pub const FORMS: &str =
+    "light:NAME is a light group, shader.NAME an output of shaders, NAME=EXPRESSION a light path expression";
 
 /// Words of a list.
 #[must_use]
@@ -69,7 +70,7 @@ pub fn known_words() -> Vec<&'static str> {
     of_surfaces.chain(LightLayer::words()).chain(MATTES.iter().map(|(word, _)| *word)).collect()
 }
 
-/// Reads `all`, `none`, or words, `light:NAME` and `NAME=EXPRESSION` between commas.
+/// Reads `all`, `none`, or words, `light:NAME`, `shader.NAME` and `NAME=EXPRESSION` between commas.
 ///
 /// # Errors
 /// [`LayerError`] names the entry at fault.
@@ -127,6 +128,11 @@ fn light_layer(part: &str) -> Result<LightLayer, LayerError> {
         check_name(name)?;
         return sound(LightLayer::of_light(name));
     }
+    if let Some(output) = part.strip_prefix(OUTPUT_PREFIX).filter(|output| !output.contains('=')) {
+        return LightLayer::of_output(output).ok_or_else(|| {
+            LayerError::Invalid(format!("invalid output '{output}' of shaders; give NAME or LAYER.NAME"))
+        });
+    }
     let Some((name, expression)) = part.split_once('=') else {
         return Err(LayerError::Unknown { word: part.into() });
     };
@@ -135,7 +141,9 @@ fn light_layer(part: &str) -> Result<LightLayer, LayerError> {
     let is_taken = WORDS.iter().any(|(word, layers)| *word == name || layers.contains(&name));
     let is_color = ["R", "G", "B", "A", "Z"].contains(&name);
     let is_matte = MatteKind::ALL.iter().any(|kind| name.starts_with(kind.layer()));
-    let is_group = is_matte || name.starts_with(GROUP_PREFIX) || name == UNGROUPED;
+    let is_group = is_matte
+        || [GROUP_PREFIX, OUTPUT_PREFIX].iter().any(|prefix| name.starts_with(prefix))
+        || name == UNGROUPED;
     if is_taken || is_color || is_group || LightLayer::of_word(name).is_some() {
         return Err(LayerError::Invalid(format!("'{name}' is the name of another layer; give another one")));
     }
@@ -186,6 +194,7 @@ mod tests {
         assert_eq!(kept("normal, depth"), ["N", "depth", ""], "two of them");
         assert_eq!((kept("none").len(), kept("all").len()), (0, 8), "none and all");
         assert_eq!(kept("normal,direct,x=C<RD>{1,2}[LO]"), ["N", "direct", "x"], "of light as well");
+        assert_eq!(kept("shader.x,x=C.*"), ["x"], "of shaders");
         assert_eq!(kept("all,direct").len(), 8, "all of surfaces and one of light");
         let mattes = layers("crypto-material,cryptomatte").expect("known words").mattes;
         assert_eq!(mattes, [MatteKind::Material, MatteKind::Object, MatteKind::Asset], "each kind once");
@@ -197,6 +206,10 @@ mod tests {
             ("N=C.*", "another layer"),
             ("a*b=C.*", "invalid name"),
             ("light:", "invalid name"),
+            ("shader.", "invalid output ''"),
+            ("shader.a b", "invalid output 'a b'"),
+            ("shader.a=C.*", "another layer"),
+            ("shader.a,shader.a", "two layers"),
             ("light:a'b", "invalid name"),
         ] {
             let message = layers(bad).expect_err(bad).to_string();

@@ -20,6 +20,7 @@ mod texels;
 mod tile_file;
 mod tiles;
 mod tone;
+pub mod udim;
 mod volume;
 
 pub use budget::{Budget, Excess};

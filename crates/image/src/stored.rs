@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture file unconverted: all channels of all its levels, with the stored values and the texts. For
 //! tools that need a file's contents; pictures use `Texels`, which handles colours.
-//! Invariant: there is at least one level, and `values` holds `width * height * channels` of them, pixel by pixel from the upper left one.
+//! Invariant: there is at least one level in a file's, and `values` holds `width * height * channels` of them, pixel by pixel from the upper left one.
 //! Tests: `tests/{round_trip,broken}.rs`.
+
+use crate::texels::Texels;
 
 /// A picture file's channels, levels and texts.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +78,14 @@ impl StoredValues {
 }
 
 impl Stored {
+    /// The description of texels in memory: four channels, without levels.
+    #[must_use]
+    pub fn of_texels(texels: &Texels) -> Self {
+        let plain =
+            Self::plain([texels.width as usize, texels.height as usize], 4, StoredValues::F32(Vec::new()));
+        Self { levels: Vec::new(), ..plain }
+    }
+
     /// A picture of one size, shown whole.
     pub(crate) fn plain([width, height]: [usize; 2], channels: usize, values: StoredValues) -> Self {
         let window = [0, 0, width as i32 - 1, height as i32 - 1];

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use gnurt_accel::threads::{self, Pieces};
 use gnurt_image::{Picture, heat_map};
-use gnurt_shading::CameraShader;
+use gnurt_shading::{CameraShader, OutputKind};
 
 use crate::bands::{ColorBand, FilmBand};
 use crate::error::RenderError;
@@ -26,6 +26,7 @@ use crate::motion::PictureHistory;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
 use crate::sampler::{Sampler, SplitLight};
+use crate::shader_outputs;
 use crate::stats::RenderStats;
 use crate::tile::render_tile;
 use crate::tracer::BatchTracer;
@@ -97,6 +98,8 @@ pub struct Accumulation {
     pub(crate) region: [u32; 4],
     pub(crate) tiles: Vec<TileFilm>,
     pub(crate) stats: RenderStats,
+    /// The form of each layer of light, as the last pass had it.
+    kinds: Vec<OutputKind>,
     /// State of virtual lights that all passes share.
     common: Arc<Common>,
 }
@@ -109,7 +112,14 @@ impl Accumulation {
     pub fn new(options: RenderOptions) -> Result<Self, RenderError> {
         let region = options.region()?;
         let tiles = TileFilm::cover(region, &options);
-        Ok(Self { options, region, tiles, stats: RenderStats::default(), common: Arc::default() })
+        Ok(Self {
+            options,
+            region,
+            tiles,
+            stats: RenderStats::default(),
+            kinds: Vec::new(),
+            common: Arc::default(),
+        })
     }
 
     /// Drops all samples: for another world, another camera or other options. Memory is used again where the
@@ -177,6 +187,7 @@ impl Accumulation {
         if !PictureHistory::suits(world, &**camera, &self.options) {
             return self.pass_in_motion(&mut persistent.lights, world, &**camera, pool, progress);
         }
+        self.kinds = shader_outputs::kinds(world, &self.options.light_layers);
         if self.is_complete() {
             return true;
         }
@@ -214,6 +225,7 @@ impl Accumulation {
         progress: &dyn Progress,
     ) -> bool {
         let begin = Instant::now();
+        self.kinds = shader_outputs::kinds(world, &self.options.light_layers);
         let last = self.samples().saturating_add(samples).min(self.options.spp);
         let pixels: u64 = self.tiles.iter().map(|tile| tile.first.len() as u64).sum();
         let watched = Watched(progress);
@@ -307,7 +319,7 @@ impl Accumulation {
             layers::add_layers(&mut picture, &self.tiles);
         }
         mattes::add_mattes(&mut picture, &self.tiles, &self.options.mattes);
-        layers::add_light(&mut picture, &self.tiles, &self.options.light_layers);
+        layers::add_light(&mut picture, &self.tiles, &self.options.light_layers, &self.kinds);
         picture
     }
 

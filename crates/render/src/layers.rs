@@ -4,6 +4,7 @@
 
 use gnurt_accel::INVALID_ID;
 use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
+use gnurt_shading::OutputKind;
 
 use crate::aov::{FirstHit, TileAovs};
 use crate::expressions::LightLayer;
@@ -25,8 +26,13 @@ fn gathered<T: Copy>(
     plane
 }
 
-/// Adds the layers of light of all tiles to the picture.
-pub(crate) fn add_light(picture: &mut Picture, tiles: &[TileFilm], layers: &[LightLayer]) {
+/// Adds the layers of light and of shaders' outputs of all tiles to the picture.
+pub(crate) fn add_light(
+    picture: &mut Picture,
+    tiles: &[TileFilm],
+    layers: &[LightLayer],
+    kinds: &[OutputKind],
+) {
     let (width, pixels) = (picture.width as usize, picture.pixel_count());
     for (number, layer) in layers.iter().enumerate() {
         let mut planes = [(); 3].map(|()| vec![0.0; pixels]);
@@ -39,7 +45,11 @@ pub(crate) fn add_light(picture: &mut Picture, tiles: &[TileFilm], layers: &[Lig
             }
         }
         let [r, g, b] = planes;
-        picture.layers.push(Layer::floats(&layer.name, [("R", r), ("G", g), ("B", b)]));
+        picture.layers.push(match kinds.get(number).unwrap_or(&OutputKind::Color) {
+            OutputKind::Number => Layer::floats(&layer.name, [("Y", r)]),
+            OutputKind::Vector => Layer::floats(&layer.name, [("X", r), ("Y", g), ("Z", b)]),
+            OutputKind::Color => Layer::floats(&layer.name, [("R", r), ("G", g), ("B", b)]),
+        });
     }
 }
 

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Colours of visible surfaces by the kind of their scattering: the light 1 from all sides, without shadows.
+//! Colours of visible surfaces by the kind of their scattering: the light 1 from all sides, without shadows; and values
+//! that their shaders put out.
 //! They replace the light of some layers. A surface that is there in part covers that share of a ray; the rest goes
-//! straight on. Media cover nothing. Space: world. Tests: crates/render/tests/light_layers.rs.
+//! straight on. Media cover nothing. Space: world. Tests: crates/render/tests/light_layers.rs,
+//! crates/cli/tests/program/shader_outputs.rs.
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::ClosureBatch;
-use gnurt_shading::{SampleKey, Vec3s};
+use gnurt_shading::{SampleKey, SurfaceBatch, SurfaceShader, Vec3s};
 
 use crate::cone::Cones;
 use crate::expressions::LightLayer;
@@ -27,22 +29,60 @@ struct Rest {
     lanes: Vec<(usize, f32)>,
 }
 
-/// Replaces the light of those layers that are colours.
+/// What replaces the light of some layers.
+struct Replaced<'a> {
+    /// Layers of colours, and the parts that count.
+    colors: Vec<(usize, [bool; 4])>,
+    /// Layers of shaders' outputs, by name.
+    outputs: Vec<(usize, &'a str)>,
+    light: &'a mut [Vec3s],
+}
+
+impl Replaced<'_> {
+    /// Adds the colours of a surface to a camera ray.
+    fn add_colors(&mut self, lane: usize, share: f32, parts: [Vec3; 4]) {
+        for (layer, counts) in &self.colors {
+            let counted = parts.iter().zip(counts).filter(|(_, counts)| **counts);
+            self.light[*layer].add(lane, counted.map(|(part, _)| *part).sum::<Vec3>() * share);
+        }
+    }
+
+    /// Adds the outputs of a surface at some points; `of` gives the camera ray of a point and its share.
+    fn add_outputs(
+        &mut self,
+        shader: &dyn SurfaceShader,
+        points: &SurfaceBatch,
+        of: impl Fn(usize) -> (usize, f32),
+    ) {
+        let known = shader.outputs();
+        let mut values = Vec3s::default();
+        for (layer, name) in self.outputs.iter().filter(|(_, name)| known.iter().any(|own| own.name == *name))
+        {
+            values.reset(points.len(), Vec3::ZERO);
+            shader.output(name, points, &mut values);
+            for k in 0..points.len() {
+                let ((lane, share), value) = (of(k), values.get(k));
+                if share > 0.0 && value.is_finite() {
+                    self.light[*layer].add(lane, value * share);
+                }
+            }
+        }
+    }
+}
+
+/// Replaces the light of those layers that are colours or outputs of shaders.
 pub(crate) fn fill(tracer: &mut BatchTracer, layers: &[LightLayer], camera: HitLanes, light: &mut [Vec3s]) {
-    let wanted: Vec<(usize, [bool; 4])> =
-        layers.iter().enumerate().filter_map(|(layer, of)| Some((layer, of.color()?))).collect();
-    if wanted.is_empty() {
+    let numbered = || layers.iter().enumerate();
+    let colors: Vec<_> = numbered().filter_map(|(layer, of)| Some((layer, of.color()?))).collect();
+    let outputs: Vec<_> = numbered().filter_map(|(layer, of)| Some((layer, of.output()?))).collect();
+    let all = colors.iter().map(|(layer, _)| *layer).chain(outputs.iter().map(|(layer, _)| *layer));
+    let all: Vec<usize> = all.collect();
+    if all.is_empty() {
         return;
     }
-    wanted.iter().for_each(|&(layer, _)| light[layer].reset(camera.keys.len(), Vec3::ZERO));
-    let mut add = |lane: usize, share: f32, parts: [Vec3; 4]| {
-        for (layer, counts) in &wanted {
-            let color: Vec3 =
-                parts.iter().zip(counts).filter(|(_, counts)| **counts).map(|(part, _)| *part).sum();
-            light[*layer].add(lane, color * share);
-        }
-    };
-    let mut rest = gather(tracer, camera, |lane| (lane, 1.0), &mut add);
+    all.iter().for_each(|&layer| light[layer].reset(camera.keys.len(), Vec3::ZERO));
+    let mut to = Replaced { colors, outputs, light };
+    let mut rest = gather(tracer, camera, |lane| (lane, 1.0), &mut to);
     // Opacity textures are read without filtering.
     let cones = Cones::default();
     for _ in 0..MOST_LAYERS {
@@ -53,28 +93,32 @@ pub(crate) fn fill(tracer: &mut BatchTracer, layers: &[LightLayer], camera: HitL
         tracer.stats.secondary_rays += keys.len() as u64;
         let hits = tracer.intersect(RayMask::OTHER, rays, keys, Coherence::Coherent);
         let from = HitLanes { rays, keys, hits: &hits, cones: Some(&cones), depth: 1 };
-        rest = gather(tracer, from, |lane| lanes[lane], &mut add);
+        rest = gather(tracer, from, |lane| lanes[lane], &mut to);
     }
 }
 
-/// Adds the colours of some hits; `of` gives the camera ray of a lane and its share. Returns the rest.
+/// Adds the colours and outputs of some hits; `of` gives the camera ray of a lane and its share. Returns the rest.
 fn gather(
     tracer: &mut BatchTracer,
     from: HitLanes,
     of: impl Fn(usize) -> (usize, f32),
-    add: &mut impl FnMut(usize, f32, [Vec3; 4]),
+    to: &mut Replaced,
 ) -> Rest {
     let (mut rest, mut closures) = (Rest::default(), ClosureBatch::default());
     tracer.for_each_surface(from, AttributeRequests::Light, |_, shader, lanes, points| {
         closures.reset(points.len());
         shader.evaluate(points, &mut closures);
+        to.add_outputs(shader, points, |k| {
+            let (pixel, share) = of(lanes[k] as usize);
+            (pixel, share * closures.point(k).coverage.clamp(0.0, 1.0))
+        });
         for (k, &lane) in lanes.iter().enumerate() {
             let (pixel, share) = of(lane as usize);
             let scattering = closures.point(k);
             let coverage = scattering.coverage.clamp(0.0, 1.0);
             let parts = scattering.bsdf.albedo_parts(-points.ray_dir.get(k));
             if coverage > 0.0 && parts.iter().all(|part| part.is_finite()) {
-                add(pixel, share * coverage, parts);
+                to.add_colors(pixel, share * coverage, parts);
             }
             let left = share * (1.0 - coverage);
             if left > LEAST {

@@ -10,6 +10,7 @@ use gnurt_image::{BACKGROUND, Channel, ChannelData, Layer, Opacity, Picture};
 
 use crate::accumulation::Accumulation;
 use crate::error::RenderError;
+use crate::expressions::OUTPUT_PREFIX;
 use crate::film::TileFilm;
 use crate::options::RenderOptions;
 
@@ -60,7 +61,25 @@ pub fn unpack_piece(picture: &mut Picture, packed: &Picture, rects: &[[u32; 4]])
     let slots = Slots::of(rects);
     let corner = |rect: &[u32; 4]| [rect[0], rect[1]];
     let copied = rects.iter().enumerate().map(|(i, rect)| (slots.corner(i), corner(rect), size(rect)));
+    take_forms(picture, packed);
     [packed.width, packed.height] == slots.size() && copy(packed, picture, copied)
+}
+
+/// Gives empty layers of shaders' outputs the channels that a piece has: an output's type is known only with its scene.
+fn take_forms(picture: &mut Picture, packed: &Picture) {
+    let count = picture.pixel_count();
+    let is_empty = |channel: &Channel| match &channel.data {
+        ChannelData::F32(values) => values.iter().all(|&x| x == 0.0),
+        ChannelData::U32(_) => false,
+    };
+    for layer in picture.layers.iter_mut().filter(|layer| layer.name.starts_with(OUTPUT_PREFIX)) {
+        let Some(other) = packed.layer(&layer.name) else { continue };
+        let is_same = layer.channels.len() == other.channels.len()
+            && other.channels.iter().all(|channel| layer.channel(&channel.name).is_some());
+        if !is_same && layer.channels.iter().all(is_empty) {
+            layer.channels = other.channels.iter().map(|channel| blank(channel, count)).collect();
+        }
+    }
 }
 
 fn size([x0, y0, x1, y1]: &[u32; 4]) -> [u32; 2] {

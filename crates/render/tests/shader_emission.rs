@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use crate::common::*;
 use glam::Vec3;
-use gnurt_render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render};
+use gnurt_render::{
+    CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
+};
 use gnurt_scene::{Affine, Material, Scene, Surface};
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{EnvironmentShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
@@ -204,7 +206,7 @@ fn lamps_may_let_light_through() {
     let mut scene = floor(0.6, 3.0);
     let clear = scene.add_material(Material::of("lamp", Surface::Shader(0)));
     put_mesh(&mut scene, quad(CORNER, EDGES[1], EDGES[0], clear));
-    let seen = |lamp: f32, sky: bool, view: &Camera, integrator| {
+    let seen = |lamp: f32, sky: bool, view: &SceneCamera, integrator| {
         let shader = Clear(Even(Vec3::splat(lamp)));
         let environment = sky.then(|| Arc::new(Sky) as Arc<dyn EnvironmentShader>);
         let table = ShaderTable { surfaces: vec![Arc::new(shader)], environment, ..ShaderTable::default() };

@@ -24,5 +24,6 @@ pub use point::{Leaving, Rays, SurfacePoint};
 pub use projective_camera::{CameraProjection, ProjectiveCamera};
 pub use shader::{
     AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, Interior, LightBatch, LightShader,
-    PixelSamples, PixelShader, RadianceShader, RayRequest, SurfaceHit, SurfaceShader, Tracer,
+    OutputKind, PixelSamples, PixelShader, RadianceShader, RayRequest, ShaderOutput, SurfaceHit,
+    SurfaceShader, Tracer,
 };

@@ -35,6 +35,26 @@ impl AttributeRequest {
     pub const TIME: &'static str = "gnurt:time";
 }
 
+/// The form of a value that a shader puts out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum OutputKind {
+    /// A number; all three components have it.
+    Number,
+    /// A vector, a point or a normal.
+    Vector,
+    /// A colour.
+    Color,
+}
+
+/// A value that a surface puts out for layers of pictures.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShaderOutput {
+    /// Its name in the shader.
+    pub name: String,
+    /// Its form.
+    pub kind: OutputKind,
+}
+
 /// A surface: the scattering of its points.
 pub trait SurfaceShader: Send + Sync {
     /// Writes the closure of each point; `out` has `hits.len()` points without lobes. Nothing else is known
@@ -114,6 +134,16 @@ pub trait SurfaceShader: Send + Sync {
     fn describe(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
         let _ = (hits, lane);
         Vec::new()
+    }
+
+    /// The values that it puts out for layers of pictures.
+    fn outputs(&self) -> &[ShaderOutput] {
+        &[]
+    }
+
+    /// Writes one of [`outputs`](Self::outputs); `out` has `hits.len()` lanes, all zero, and stays so for other names.
+    fn output(&self, name: &str, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let _ = (name, hits, out);
     }
 
     /// The requested mesh attributes, in the order of `SurfaceBatch::attributes`.

@@ -33,6 +33,7 @@ use crate::library;
 use crate::light::ScriptLight;
 use crate::live::Live;
 use crate::mtlx;
+use crate::outputs::Outputs;
 use crate::parameter::{self, Parameter, ParameterValue};
 use crate::pixel::{self, ScriptPixel};
 use crate::properties::Properties;
@@ -382,7 +383,13 @@ impl Script {
             Some(_) => self.common_of(&group, &plan, plan.clone())?,
             None => self.compiled(&group, &plan)?,
         };
-        Ok(Arc::new(ScriptSurface { common, fixed }))
+        let script = self.clone();
+        let make = move |output: &str| {
+            let made = script.common(&script.group, &[output]);
+            made.map_err(|why| script.faults.note(&why)).ok()
+        };
+        let outputs = Outputs::of(&self.group, Box::new(make));
+        Ok(Arc::new(ScriptSurface { common, fixed, outputs }))
     }
 
     /// Its group; if the last shader does not write `Ci`, with a layer that sets `Ci` to its closure outputs.

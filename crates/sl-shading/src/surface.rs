@@ -9,12 +9,15 @@
 use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Scattering};
 use gnurt_shading::materials::scattered_radiance;
-use gnurt_shading::{AttributeRequest, Interior, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{
+    AttributeRequest, Interior, RadianceShader, ShaderOutput, SurfaceBatch, SurfaceShader, Tracer, Vec3s,
+};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{LANES, Points, lanes_of};
 
 use crate::emission_and_opacity::EmissionAndOpacity;
 use crate::fixed::Fixed;
+use crate::outputs::Outputs;
 use crate::parts::{Flattened, Lights, column};
 use crate::surface_state::{Caller, points};
 use crate::world::{Common, World};
@@ -24,6 +27,8 @@ pub(crate) struct ScriptSurface {
     pub(crate) common: Common,
     /// Its closures, if they are the same at all points: then it need not run.
     pub(crate) fixed: Option<Fixed>,
+    /// Its outputs for layers.
+    pub(crate) outputs: Outputs,
 }
 
 impl ScriptSurface {
@@ -178,6 +183,14 @@ impl SurfaceShader for ScriptSurface {
         self.each_single(&world, hits, Caller::Rays, |i, bsdf, _| {
             out.set(i, bsdf.albedo(-hits.ray_dir.get(i)).clamp(Vec3::ZERO, Vec3::ONE));
         });
+    }
+
+    fn outputs(&self) -> &[ShaderOutput] {
+        &self.outputs.all
+    }
+
+    fn output(&self, name: &str, hits: &SurfaceBatch, out: &mut Vec3s) {
+        self.outputs.write(name, hits, out);
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

@@ -194,7 +194,14 @@ fn changes<R: Real>(
         let is_wide = width.above(zero) & width.is_number();
         // Grazing rays would see as far as the horizon.
         let cos = dir.dot(ng).or_less(like.all(-1e-2));
-        let [right, down] = around(dir).map(
+        let across = around(dir);
+        // The ray of the next pixel leaves this one by the cone's spread.
+        let spread = like.load(&hits.cone_spread, at);
+        let spread = R::pick(spread.is_number(), spread, zero);
+        let [x, y, z] = &mut out.i;
+        store_vector([&mut x.dx, &mut y.dx, &mut z.dx], lane, across[0] * spread);
+        store_vector([&mut x.dy, &mut y.dy, &mut z.dy], lane, across[1] * spread);
+        let [right, down] = across.map(
             #[inline(always)]
             |step| Vector::pick(is_wide, (step - dir * (step.dot(ng) / cos)) * width, none),
         );
@@ -249,6 +256,7 @@ mod tests {
         // A ray that grazes.
         hits.ng.set(9, Vec3::Y);
         hits.ray_dir.set(9, Vec3::new(1.0, -1e-3, 0.0).normalize());
+        hits.cone_spread = (0..21).map(|i| [0.0, 0.02, f32::NAN, 0.3][i % 4]).collect();
         hits.footprint = (0..21).map(|i| [0.0, 0.01, f32::NAN, 0.3, 2.0, f32::INFINITY][i % 6]).collect();
         hits
     }
@@ -277,6 +285,9 @@ mod tests {
                         };
                         let (dx, dy) = (step(across.tangent), step(across.bitangent));
                         assert_eq!((point.p.dx, point.p.dy), (dx.to_array(), dy.to_array()), "{how}");
+                        let spread = if hits.cone_spread[i].is_nan() { 0.0 } else { hits.cone_spread[i] };
+                        let turned = [across.tangent, across.bitangent].map(|v| (v * spread).to_array());
+                        assert_eq!([point.i.dx, point.i.dy], turned, "{how}");
                         let mut own = [Vec3::ZERO; 2];
                         if !without_coordinates {
                             own = [hits.dp_du.get(i), hits.dp_dv.get(i)];

@@ -3,28 +3,34 @@
 //! Wrap modes and options are OSL's. Colours of pictures of integers are decoded to linear light, as
 //! everywhere in GNU RT, except where a shader declares them linear, or no colours (`"colorspace"`). Where a
 //! point covers more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as
-//! materials of files do.
-//! Tests: `tests/scripts/{kinds,relief}.rs`.
+//! materials of files do. A name with a pattern such as `<UDIM>` is a file for each unit square of s and t; tiles
+//! without a file have the values of a missing file and no message, as with OpenImageIO.
+//! Tests: `tests/scripts/{kinds,relief,tiles}.rs`.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, RwLock};
 
-use gnurt_image::{Texels, read_data_texture, read_texture};
+use gnurt_image::udim::{is_tiled, tile_at, tile_name, tiles};
+use gnurt_image::{Texels, read_data_texture, read_stored, read_texture};
 use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::{TextureSampler, Wrap};
 use gnurt_sl::exec::{DualRow, TextureOptions, lanes_of};
+use gnurt_sl::hir::Data;
+use gnurt_sl::types::Type;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::points::{PointCloud, read_cloud};
 
 use crate::access::Access;
+use crate::texture_info::{TextureInfo, common};
 use crate::volumes::{Volumes, color_at_place};
 
 /// Limit of stored names, those that are no pictures among them.
 const MOST: usize = 4096;
 
 type Found = Result<Arc<TextureSampler>, Arc<str>>;
+type FoundInfo = Result<Arc<TextureInfo>, Arc<str>>;
 type FoundCloud = Result<Arc<PointCloud>, Arc<str>>;
 
 /// Pictures by the names that shaders call them.
@@ -35,6 +41,9 @@ pub(crate) struct Textures {
     folder: PathBuf,
     /// Those whose values are decoded; those whose values are as they are stored.
     known: [RwLock<HashMap<String, Found>>; 2],
+    infos: Mutex<HashMap<String, FoundInfo>>,
+    /// The tiles of names with patterns.
+    present: Mutex<HashMap<String, Arc<[[u32; 2]]>>>,
     clouds: Mutex<HashMap<String, FoundCloud>>,
     volumes: Volumes,
 }
@@ -45,6 +54,8 @@ impl Textures {
             access,
             folder,
             known: Default::default(),
+            infos: Mutex::default(),
+            present: Mutex::default(),
             clouds: Mutex::default(),
             volumes: Volumes::default(),
         }
@@ -70,6 +81,78 @@ impl Textures {
         }
         let found = self.read(name, is_raw);
         known.insert(name.to_owned(), found.clone());
+        found
+    }
+
+    /// The picture of a tile; `None` if there is none.
+    fn find_tile(
+        &self,
+        name: &str,
+        tile: [u32; 2],
+        color_space: &str,
+    ) -> Result<Option<Arc<TextureSampler>>, Arc<str>> {
+        let name = tile_name(name, tile);
+        // Missing tiles are not stored: a name may have thousands.
+        let is_stored =
+            self.known.iter().any(|known| known.read().is_ok_and(|known| known.contains_key(&name)));
+        let is_there = is_stored || self.has(&name);
+        is_there.then(|| self.find(&name, color_space)).transpose()
+    }
+
+    /// Whether there is a picture of this name.
+    fn has(&self, name: &str) -> bool {
+        self.access.pictures.contains_key(name) || self.path(name).is_file()
+    }
+
+    /// The tiles that a name has.
+    fn tiles_of(&self, name: &str) -> Arc<[[u32; 2]]> {
+        let Ok(mut present) = self.present.lock() else { return Arc::new([]) };
+        if let Some(found) = present.get(name) {
+            return found.clone();
+        }
+        let found: Arc<[[u32; 2]]> = tiles().filter(|&tile| self.has(&tile_name(name, tile))).collect();
+        if present.len() < MOST {
+            present.insert(name.to_owned(), found.clone());
+        }
+        found
+    }
+
+    /// A property of a picture, of its tile at `at`, or of all its tiles.
+    pub(crate) fn info(&self, name: &str, at: Option<[f32; 2]>, what: &str, ty: Type) -> Option<Data> {
+        let flag = |is: bool| (ty == Type::INT).then(|| Data::Int(vec![i32::from(is)]));
+        if what == "udim" {
+            return flag(is_tiled(name));
+        }
+        let names: Vec<String> = match (is_tiled(name), at) {
+            (false, _) => vec![name.to_owned()],
+            (true, Some(at)) => tile_at(at).map(|(tile, _)| tile_name(name, tile)).into_iter().collect(),
+            (true, None) => self.tiles_of(name).iter().map(|&tile| tile_name(name, tile)).collect(),
+        };
+        let infos: Result<Vec<_>, _> = names.iter().map(|name| self.info_of(name)).collect();
+        if what == "exists" {
+            return flag(infos.is_ok_and(|infos| !infos.is_empty()));
+        }
+        common(&infos.ok()?, what, ty)
+    }
+
+    fn info_of(&self, name: &str) -> FoundInfo {
+        let lost = || Arc::from("its memory is lost");
+        if let Some(found) = self.infos.lock().map_err(|_| lost())?.get(name) {
+            return found.clone();
+        }
+        let found = self.find(name, "").and_then(|sampler| {
+            let of_file = || read_stored(&self.allowed(name)?).map_err(|error| error.to_string());
+            let mut file = match self.access.pictures.contains_key(name) {
+                true => gnurt_image::Stored::of_texels(&sampler.texels),
+                false => of_file()?,
+            };
+            file.levels.clear();
+            Ok(Arc::new(TextureInfo { file, mean: sampler.mean() }))
+        });
+        let mut infos = self.infos.lock().map_err(|_| lost())?;
+        if infos.len() < MOST {
+            infos.insert(name.to_owned(), found.clone());
+        }
         found
     }
 
@@ -136,8 +219,15 @@ impl Textures {
         at: [Dual<f32>; 2],
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String> {
-        let sampler = self.find(file, &options.color_space).map_err(|why| why.to_string())?;
-        Ok(WrapOptions::of(&sampler, options).read(at))
+        if !is_tiled(file) {
+            let sampler = self.find(file, &options.color_space).map_err(|why| why.to_string())?;
+            return Ok(WrapOptions::of(&sampler, options).read(at));
+        }
+        let Some((tile, within)) = tile_at([at[0].value, at[1].value]) else { return Err(String::new()) };
+        let sampler = self.find_tile(file, tile, &options.color_space).map_err(|why| why.to_string())?;
+        // A missing tile is no fault.
+        let sampler = sampler.ok_or_else(String::new)?;
+        Ok(WrapOptions::of_tile(&sampler, options).read(moved(at, within)))
     }
 
     /// The same for many points; false if there is no such picture.
@@ -149,6 +239,9 @@ impl Textures {
         options: &TextureOptions,
         out: &mut [DualRow; 4],
     ) -> bool {
+        if is_tiled(file) {
+            return self.sample_tiles(file, lanes, [s, t], options, out);
+        }
         let Ok(sampler) = self.find(file, &options.color_space) else { return false };
         let wrap_options = WrapOptions::of(&sampler, options);
         for i in lanes_of(lanes) {
@@ -160,6 +253,39 @@ impl Textures {
         }
         true
     }
+
+    /// The same for a name of tiles; false if a point is in none.
+    fn sample_tiles(
+        &self,
+        file: &str,
+        lanes: u32,
+        [s, t]: [&DualRow; 2],
+        options: &TextureOptions,
+        out: &mut [DualRow; 4],
+    ) -> bool {
+        let mut last: Option<([u32; 2], Arc<TextureSampler>)> = None;
+        for i in lanes_of(lanes) {
+            let at = [s.get(i), t.get(i)];
+            let Some((tile, within)) = tile_at([at[0].value, at[1].value]) else { return false };
+            if last.as_ref().is_none_or(|(known, _)| *known != tile) {
+                let Ok(Some(sampler)) = self.find_tile(file, tile, &options.color_space) else {
+                    return false;
+                };
+                last = Some((tile, sampler));
+            }
+            let Some((_, sampler)) = &last else { return false };
+            let texel = WrapOptions::of_tile(sampler, options).read(moved(at, within));
+            for (row, x) in out.iter_mut().zip(texel) {
+                row.set(i, x);
+            }
+        }
+        true
+    }
+}
+
+/// A position with these values, and its own derivatives.
+fn moved(at: [Dual<f32>; 2], to: [f32; 2]) -> [Dual<f32>; 2] {
+    std::array::from_fn(|k| Dual { value: to[k], ..at[k] })
 }
 
 /// As shaders read a picture, if they give no options.
@@ -191,6 +317,13 @@ struct WrapOptions<'a> {
 }
 
 impl<'a> WrapOptions<'a> {
+    /// Of a tile: what is beyond its border is another tile, so its border goes on.
+    fn of_tile(sampler: &'a TextureSampler, options: &'a TextureOptions) -> Self {
+        let linear = &*options.interpolation != "closest";
+        let sampler = Cow::Owned(TextureSampler { wrap: [Wrap::Clamp; 2], linear, ..sampler.clone() });
+        Self { sampler, options, is_bordered: [false; 2] }
+    }
+
     fn of(sampler: &'a TextureSampler, options: &'a TextureOptions) -> Self {
         let wrap = |k: usize| match &*options.wrap[k] {
             "periodic" => Wrap::Repeat,

@@ -456,23 +456,11 @@ impl Host for World<'_> {
     fn texture_info(
         &self,
         file: &str,
-        _: Option<[f32; 2]>,
+        at: Option<[f32; 2]>,
         name: &str,
         ty: Type,
     ) -> Result<Option<Data>, String> {
-        let found = self.common.textures.find(file, "").ok();
-        let size = found.as_ref().map(|found| [found.texels.width as i32, found.texels.height as i32]);
-        Ok(match name {
-            "exists" => Some(Data::Int(vec![i32::from(size.is_some())])),
-            "resolution" => size.map(|size| Data::Int(size.to_vec())),
-            "channels" if ty == Type::FLOAT => size.map(|_| Data::Float(vec![4.0])),
-            "channels" => size.map(|_| Data::Int(vec![4])),
-            "datawindow" | "displaywindow" => size.map(|[w, h]| Data::Int(vec![0, 0, w - 1, h - 1])),
-            "texturetype" | "textureformat" if ty == Type::STRING => {
-                size.map(|_| Data::Str(vec!["Plain Texture".into()]))
-            }
-            _ => None,
-        })
+        Ok(self.common.textures.info(file, at, name, ty))
     }
 
     fn point_cloud(&self, file: &str) -> Result<Arc<PointCloud>, String> {

@@ -14,12 +14,16 @@ mod live;
 #[cfg(feature = "materialx")]
 #[path = "scripts/mtlx.rs"]
 mod mtlx;
+#[path = "scripts/outputs.rs"]
+mod outputs;
 #[path = "scripts/pixels.rs"]
 mod pixels;
 #[path = "scripts/relief.rs"]
 mod relief;
 #[path = "scripts/stored.rs"]
 mod stored;
+#[path = "scripts/tiles.rs"]
+mod tiles;
 #[path = "scripts/volumes.rs"]
 mod volumes;
 #[path = "scripts/wrong.rs"]

@@ -7,6 +7,7 @@ mod common;
 mod diagnostics;
 mod format;
 mod hostile;
+mod hostile_texts;
 mod layers;
 mod meaning;
 mod passes;

@@ -4,6 +4,7 @@
 //! See docs/reference/usd.md and docs/decisions/0035-usd.md.
 #![forbid(unsafe_code)]
 
+mod atlas;
 mod attributes;
 mod bent;
 mod binding;

@@ -5,6 +5,7 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
+use gnurt_image::udim;
 use gnurt_scene::io::Oddity;
 use gnurt_scene::io::reader::{Meaning, Pictures};
 use openusd::sdf::{AssetPath, Path, Value};
@@ -117,8 +118,14 @@ pub(crate) fn read_pictures(
 ) -> Vec<(String, std::sync::Arc<gnurt_scene::texture::Texels>)> {
     let mut read = Vec::new();
     for (name, asset, meaning) in &network.pictures {
-        match reader.picture(pictures, asset, *meaning) {
-            Ok(texels) => read.push((name.clone(), texels)),
+        let found = match udim::is_tiled(name) {
+            false => reader.picture(pictures, asset, *meaning).map(|texels| vec![(name.clone(), texels)]),
+            true => reader.picture_tiles(pictures, asset, *meaning).map(|tiles| {
+                tiles.into_iter().map(|(tile, texels)| (udim::tile_name(name, tile), texels)).collect()
+            }),
+        };
+        match found {
+            Ok(found) => read.extend(found),
             Err(fault) => reader.note(Oddity::BadTexture, surface, fault),
         }
     }

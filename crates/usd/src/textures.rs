@@ -6,15 +6,20 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use gnurt_image::udim;
 use gnurt_scene::io::Oddity;
 use gnurt_scene::io::reader::{Meaning, Pictures};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{Scene, TextureId};
 use openusd::sdf::{AssetPath, Path, Value};
 
+use crate::atlas::{self, Tile};
 use crate::network::Source;
 use crate::reader::Reader;
 use crate::value;
+
+/// Rows of tiles that are searched.
+const MOST_ROWS: u32 = 100;
 
 /// A texture that a network reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +80,16 @@ impl Reader {
             _ => meaning,
         };
         let name = asset.as_str().to_owned();
-        let texels = match self.picture(pictures, &asset, meaning) {
-            Ok(texels) => texels,
+        let is_tiled = udim::is_tiled(&name);
+        let found = match is_tiled {
+            false => self.picture(pictures, &asset, meaning).map(|texels| (texels, [1, 1])),
+            true => self
+                .picture_tiles(pictures, &asset, meaning)
+                .and_then(|tiles| atlas::joined(&tiles, &self.files.access.budget))
+                .map_err(|why| format!("{name}: {why}")),
+        };
+        let (texels, tiles) = match found {
+            Ok(found) => found,
             Err(fault) => {
                 self.note(Oddity::BadTexture, shader, fault);
                 return None;
@@ -91,8 +104,11 @@ impl Reader {
             }
             _ => Wrap::Repeat,
         };
-        let wrap = [wrap("wrapS"), wrap("wrapT")];
+        let wrap = if is_tiled { [Wrap::ClampToEdge; 2] } else { [wrap("wrapS"), wrap("wrapT")] };
         let (primvar, uv_from_mesh) = self.coordinates(shader);
+        // The picture of all tiles is read from 0 to 1.
+        let [across, up] = tiles.map(|count| 1.0 / count as f32);
+        let uv_from_mesh = chained([across, 0.0, 0.0, up, 0.0, 0.0], uv_from_mesh);
         Some(Sampled {
             texels,
             name,
@@ -105,6 +121,37 @@ impl Reader {
         })
     }
 
+    /// The pictures of an asset whose name stands for tiles: those of the tiles 1001 to 2000 that are there.
+    pub(crate) fn picture_tiles(
+        &self,
+        pictures: &mut Pictures<'_>,
+        asset: &AssetPath,
+        meaning: Meaning,
+    ) -> Result<Vec<Tile>, String> {
+        let name = self.file_of(asset);
+        let mut found = Vec::new();
+        for tile in udim::tiles().take_while(|[_, row]| *row < MOST_ROWS) {
+            let file = udim::tile_name(&name, tile);
+            let picture = match crate::files::split(&file) {
+                Some(_) => self.files.bytes(&file).ok().map(|bytes| pictures.decode(&bytes, &file, meaning)),
+                None if std::path::Path::new(&file).is_file() => {
+                    Some(pictures.file(std::path::Path::new(&file), meaning))
+                }
+                None => None,
+            };
+            if let Some(picture) = picture.transpose()? {
+                found.push((tile, picture));
+            }
+        }
+        if found.is_empty() { Err("no tile of it was found".into()) } else { Ok(found) }
+    }
+
+    /// The file of an asset.
+    fn file_of(&self, asset: &AssetPath) -> String {
+        let file = asset.resolved_path().map(str::to_owned);
+        file.unwrap_or_else(|| self.path.with_file_name(asset.as_str()).to_string_lossy().into_owned())
+    }
+
     /// The picture of an asset: a file, or an entry of a package.
     pub(crate) fn picture(
         &self,
@@ -112,9 +159,7 @@ impl Reader {
         asset: &AssetPath,
         meaning: Meaning,
     ) -> Result<Arc<Texels>, String> {
-        let name = asset.as_str();
-        let file = asset.resolved_path().map(str::to_owned);
-        let file = file.unwrap_or_else(|| self.path.with_file_name(name).to_string_lossy().into_owned());
+        let (name, file) = (asset.as_str(), self.file_of(asset));
         match crate::files::split(&file) {
             Some(_) => self.files.bytes(&file).and_then(|bytes| pictures.decode(&bytes, name, meaning)),
             None => pictures.file(std::path::Path::new(&file), meaning),

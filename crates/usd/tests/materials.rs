@@ -122,6 +122,60 @@ def Material "M" {{
 }
 
 #[test]
+fn tiles_of_textures_are_one_picture() {
+    let text = format!(
+        r#"#usda 1.0
+( metersPerUnit = 1 )
+def Mesh "Q" ( prepend apiSchemas = ["MaterialBindingAPI"] ) {{ {QUAD} rel material:binding = </M> }}
+def Material "M" {{
+    token outputs:surface.connect = </M/S.outputs:surface>
+    def Shader "S" {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </M/T.outputs:rgb>
+        token outputs:surface
+    }}
+    def Shader "T" {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @./maps/a.<UDIM>.png@
+        float3 outputs:rgb
+    }}
+}}
+"#
+    );
+    let folder = Folder::with(&[("a.usda", &text)]);
+    std::fs::create_dir(folder.path("maps")).expect("a folder");
+    let flat = |size: [u32; 2], color: [f32; 4]| {
+        let mut picture = gnurt_image::Picture::new(size[0], size[1]);
+        picture.color.fill(color);
+        let options = gnurt_image::WriteOptions::default();
+        gnurt_image::encode(&picture, gnurt_image::PictureFormat::PNG, &options).expect("a picture")
+    };
+    std::fs::write(folder.path("maps/a.1001.png"), picture()).expect("a picture");
+    std::fs::write(folder.path("maps/a.1012.png"), flat([1, 3], [0.0, 1.0, 0.0, 1.0])).expect("a picture");
+    let loaded = folder.load("a.usda", &LoadOptions::default()).expect("a scene");
+    assert_eq!(warnings(&loaded), "");
+    let material = loaded.scene.material(loaded.scene.meshes()[0].material);
+    let Surface::MetallicRoughness { base_color, .. } = &material.surface else { panic!("{material:?}") };
+    let texture = base_color.texture.expect("a texture");
+    assert_eq!(texture.uv_from_mesh, [0.5, 0.0, 0.0, 0.5, 0.0, 0.0], "two by two tiles");
+    let texels = &loaded.scene.texture(texture.texture).texels;
+    assert_eq!([texels.width, texels.height], [4, 6], "each as large as the largest");
+    let color = |x: usize, y: usize| [0, 1, 2].map(|k| texels.texel(x, y)[k]);
+    assert_eq!([color(0, 5), color(1, 3)], [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], "1001 is below, on the left");
+    assert_eq!([color(2, 0), color(3, 2)], [[0.0, 1.0, 0.0]; 2], "1012 is above, on the right");
+    assert_eq!([color(0, 0), color(3, 5)], [[0.0; 3]; 2], "tiles without a file");
+    for tile in ["maps/a.1001.png", "maps/a.1012.png"] {
+        std::fs::remove_file(folder.path(tile)).expect("it was there");
+    }
+    let without = folder.load("a.usda", &LoadOptions::default()).expect("a scene without them");
+    assert!(warnings(&without).contains("no tile of it was found"), "{}", warnings(&without));
+    std::fs::write(folder.path("maps/a.1001.png"), flat([4000, 4000], [1.0; 4])).expect("a picture");
+    std::fs::write(folder.path("maps/a.2000.png"), picture()).expect("a picture");
+    let large = folder.load("a.usda", &LoadOptions::default()).expect("a scene");
+    assert!(warnings(&large).contains("tiles side by side"), "a budget: {}", warnings(&large));
+}
+
+#[test]
 fn bindings_without_schema_or_material_bind_nothing() {
     let loaded = load(&format!(
         r#"

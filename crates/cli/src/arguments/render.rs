@@ -33,7 +33,7 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) heatmap: Option<PathBuf>,
-    /// Layers of an EXR between commas: all, none, denoise, normal and others of surfaces, direct and others of light, cryptomatte, light:NAME, NAME=EXPRESSION (a light path expression); a wrong word lists all [default: all of surfaces]
+    /// Layers of an EXR between commas: all, none, denoise, normal and others of surfaces, direct and others of light, cryptomatte, light:NAME, shader.NAME (a shader's output), NAME=EXPRESSION (a light path expression); a wrong word lists all [default: all of surfaces]
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true)]
     pub(crate) layers: Option<LayerList>,
     /// Things per pixel in the layers of Cryptomatte, 2 to 32

@@ -39,6 +39,7 @@ mod relight;
 mod samples;
 #[cfg(target_os = "linux")]
 mod scripts;
+mod shader_outputs;
 mod shaders;
 mod statistics;
 mod surroundings;

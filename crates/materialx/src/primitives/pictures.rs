@@ -23,18 +23,24 @@ fn decoded(file: &Value, ty: Ty) -> (&'static str, Option<String>) {
     }
 }
 
+/// Whether a file's name stands for tiles, a file each.
+fn is_tiled(file: &str) -> bool {
+    ["<UDIM>", "<UVTILE>"].iter().any(|pattern| file.contains(pattern))
+}
+
 fn image<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Vec<String>, Error> {
     let [file, default, at] = [g.arg(call, "file")?, g.arg(call, "default")?, g.arg(call, "texcoord")?];
     if file.text.as_deref().is_some_and(str::is_empty) {
         return Ok(default.parts);
     }
+    let is_tiled = file.text.as_deref().is_some_and(is_tiled);
     let (u, v) = (g.name("float", &at.parts[0]), g.name("float", &at.parts[1]));
     let mut options = String::new();
     let mut outside = Vec::new();
     for (name, wrap, at) in [("uaddressmode", "swrap", &u), ("vaddressmode", "twrap", &v)] {
         let mode = g.word(call, name)?;
         let is_constant = mode == "constant";
-        if is_constant {
+        if is_constant && !is_tiled {
             outside.push(format!("{at} < 0 || {at} > 1"));
         }
         let mode = if is_constant { "clamp" } else { &mode };
@@ -65,7 +71,9 @@ fn image<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Vec<String>, Erro
         options.push_str(&format!(", \"alpha\", {name}"));
         alpha = Some(name);
     }
-    let found = g.name("color", &format!("(color) texture({}, {u}, 1 - {v}{options})", file.first()));
+    // Tiles are numbered upwards; the language reads each downwards.
+    let t = if is_tiled { format!("2 * floor({v}) + 1 - {v}") } else { format!("1 - {v}") };
+    let found = g.name("color", &format!("(color) texture({}, {u}, {t}{options})", file.first()));
     if !outside.is_empty() {
         g.body.push_str(&format!(
             "    if ({}) {{ {found} = color({});",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Layers of light: a name and a light path expression each; the usual ones by a word.
+//! Layers of light: a name and a light path expression each; the usual ones by a word. Values that shaders put out are
+//! layers, too, with the output's name in place of an expression.
 //! Tests: `tests`; crates/render/tests/light_layers.rs.
 
 use super::automaton::{Automaton, labels_in};
@@ -44,6 +45,11 @@ const COLORS: [(&str, &str, [bool; 4]); 8] = [
 const COLOR_WORDS: [(&str, &str); 3] =
     [("diffuse_color", COLORS[0].0), ("glossy_color", COLORS[1].0), ("transmission_color", COLORS[2].0)];
 
+/// Names of layers of shaders' outputs: this, and the output.
+pub const OUTPUT_PREFIX: &str = "shader.";
+/// Before the output's name, in place of an expression.
+const OUTPUT: &str = "output ";
+
 /// What layers of light groups are called: this, and the group.
 pub const GROUP_PREFIX: &str = "light.";
 /// The layer of lights without a group.
@@ -74,6 +80,26 @@ impl LightLayer {
         WORDS.iter().chain([&ENVIRONMENT]).chain(&COLOR_WORDS).map(|(word, _)| *word)
     }
 
+    /// The values that shaders put out by this name; `None` if no output can have it.
+    #[must_use]
+    pub fn of_output(output: &str) -> Option<Self> {
+        let layer =
+            Self { name: format!("{OUTPUT_PREFIX}{output}"), expression: format!("{OUTPUT}{output}") };
+        layer.output().is_some().then_some(layer)
+    }
+
+    /// The output of shaders that it shows in place of light.
+    #[must_use]
+    pub fn output(&self) -> Option<&str> {
+        const LONGEST: usize = 200;
+        let name = self.expression.strip_prefix(OUTPUT)?;
+        let is_word = |part: &str| {
+            part.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+                && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        };
+        (name.len() <= LONGEST && name.split('.').all(is_word)).then_some(name)
+    }
+
     fn known_color(&self) -> Option<&'static (&'static str, &'static str, [bool; 4])> {
         COLORS.iter().find(|(expression, ..)| *expression == self.expression)
     }
@@ -83,8 +109,11 @@ impl LightLayer {
         self.known_color().map(|(_, _, parts)| *parts)
     }
 
-    /// The expression of paths, also of a colour, whose light is replaced.
+    /// The expression of paths, also of a colour or an output, whose light is replaced.
     pub(super) fn of_paths(&self) -> &str {
+        if self.output().is_some() {
+            return ENVIRONMENT.1;
+        }
         self.known_color().map_or(&self.expression[..], |(_, expression, _)| expression)
     }
 
@@ -153,6 +182,12 @@ mod tests {
         let groups = LightLayer::of_groups(&["key", "fill"]);
         assert_eq!(check(&groups), Ok(()), "all groups");
         assert_eq!(labels_of(&groups).expect("sound"), ["@", "@fill", "@key"], "their labels");
+        let output = LightLayer::of_output("a_1.b").expect("an output");
+        assert_eq!((&output.name[..], output.output()), ("shader.a_1.b", Some("a_1.b")), "an output");
+        assert_eq!(LightLayer::new("shader.a_1.b", output.expression.clone()), Ok(output), "from a piece");
+        for bad in ["", "1a", "a..b", "a b", "a.", "a'"] {
+            assert_eq!(LightLayer::of_output(bad), None, "{bad}");
+        }
         assert!(LightLayer::new("x", "C<RD").is_err() && LightLayer::of_word("beauty").is_none(), "faults");
     }
 }

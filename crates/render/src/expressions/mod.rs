@@ -13,7 +13,7 @@ mod syntax;
 
 pub(crate) use events::{Lobe, Scatter};
 pub(crate) use layer::check;
-pub use layer::{GROUP_PREFIX, LightLayer, UNGROUPED};
+pub use layer::{GROUP_PREFIX, LightLayer, OUTPUT_PREFIX, UNGROUPED};
 pub(crate) use ledger::Ledger;
 pub(crate) use light_paths::LightPaths;
 pub use light_paths::unknown_labels;

@@ -65,6 +65,11 @@ impl MaterialTable {
         self.entries[material].as_ref().expect("commit makes all materials")
     }
 
+    /// The shaders of all materials.
+    pub(crate) fn shaders(&self) -> impl Iterator<Item = &dyn SurfaceShader> {
+        self.entries.iter().filter_map(|entry| entry.as_ref().map(|entry| &*entry.shader))
+    }
+
     /// Whether no surface lets light straight through.
     pub(crate) fn all_opaque(&self) -> bool {
         self.see_through == 0

@@ -12,7 +12,7 @@ use crate::batch::{SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
 use crate::materials::bump::BumpMap;
 use crate::materials::color::{Coverage, Emission};
-use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
+use crate::shader::{AttributeRequest, RadianceShader, ShaderOutput, SurfaceShader, Tracer};
 
 /// A surface with emission and opacity.
 #[derive(Clone)]
@@ -110,6 +110,14 @@ impl SurfaceShader for Material {
 
     fn describe(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
         self.surface.describe(&self.bumpy(hits), lane)
+    }
+
+    fn outputs(&self) -> &[ShaderOutput] {
+        self.surface.outputs()
+    }
+
+    fn output(&self, name: &str, hits: &SurfaceBatch, out: &mut Vec3s) {
+        self.surface.output(name, &self.bumpy(hits), out);
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

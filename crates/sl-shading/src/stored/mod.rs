@@ -13,22 +13,21 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
+use gnurt_image::udim::{COLUMNS, ROWS, is_tiled, tile_name};
 use gnurt_image::{Stored, read_stored};
 use gnurt_sl::exec::TextureOptions;
 use gnurt_sl::hir::Data;
 use gnurt_sl::tools::Textures;
-use gnurt_sl::types::{Base, Type};
+use gnurt_sl::types::Type;
 use gnurt_sl_lib::Dual;
 
+use crate::texture_info::answer;
 use crate::volumes::{Volumes, at_place};
 use crate::wrap::Wrap;
 use sample::Read;
 
 /// Limit of stored names.
 const MOST: usize = 4096;
-
-/// Patterns for the tiles of a picture, by 1001 + u + 10 v.
-const TILES: [&str; 2] = ["<UDIM>", "<udim>"];
 
 type Found = Result<Arc<Stored>, Arc<str>>;
 
@@ -43,10 +42,8 @@ pub struct StoredTextures {
 
 /// The file that a name with a pattern means at a position, and the position in it.
 fn tile(name: &str, [s, t]: [f32; 2]) -> Option<(String, [f32; 2])> {
-    let tag = TILES.into_iter().find(|tag| name.contains(tag))?;
-    let [column, row] = [s, t].map(|x| x.floor().clamp(0.0, 1000.0));
-    let number = 1001 + (column.min(9.0) as usize) + 10 * row as usize;
-    Some((name.replace(tag, &number.to_string()), [s - s.floor(), t - t.floor()]))
+    let tile = [(s, COLUMNS), (t, ROWS)].map(|(x, count)| x.floor().clamp(0.0, (count - 1) as f32) as u32);
+    is_tiled(name).then(|| (tile_name(name, tile), [s - s.floor(), t - t.floor()]))
 }
 
 impl StoredTextures {
@@ -150,13 +147,16 @@ impl Textures for StoredTextures {
     }
 
     fn info(&self, name: &str, at: Option<[f32; 2]>, what: &str, ty: Type) -> Result<Option<Data>, String> {
-        let tiled = TILES.into_iter().any(|tag| name.contains(tag));
+        let tiled = is_tiled(name);
         let named = match at {
             Some(at) => tile(name, at).map_or_else(|| name.to_owned(), |(name, _)| name),
             // Without coordinates, the properties common to all tiles, which are assumed to be those of the
             // first.
             None => tile(name, [0.0; 2]).map_or_else(|| name.to_owned(), |(name, _)| name),
         };
+        if what == "udim" {
+            return Ok((ty == Type::INT).then(|| Data::Int(vec![i32::from(tiled)])));
+        }
         let found = self.find(&named);
         if what == "exists" {
             return Ok((ty == Type::INT).then(|| Data::Int(vec![i32::from(found.is_ok())])));
@@ -172,46 +172,5 @@ impl Textures for StoredTextures {
             }
         };
         Ok(answer(&file, what, ty))
-    }
-}
-
-fn answer(file: &Stored, what: &str, ty: Type) -> Option<Data> {
-    let ints = |list: &[i32]| {
-        let fits = ty.base == Base::Int && ty.size() == list.len();
-        fits.then(|| Data::Int(list.to_vec()))
-    };
-    let text = |text: &str| (ty == Type::STRING).then(|| Data::Str(vec![text.into()]));
-    // Colours are those that the file states, or the one that the smallest level has.
-    let color = |noted: Option<&str>, from: usize| {
-        if ty.base != Base::Float && !ty.base.is_triple() {
-            return None;
-        }
-        let values: Vec<f32> = match noted {
-            Some(noted) => noted.split(',').map(|tag| tag.trim().parse().unwrap_or(0.0)).collect(),
-            None => {
-                let last = file.levels.last().filter(|level| [level.width, level.height] == [1, 1])?;
-                (0..file.channels).map(|c| last.values.get(c)).collect()
-            }
-        };
-        let at = |i: usize| values.get(from + i).copied().unwrap_or(0.0);
-        Some(Data::Float((0..ty.size()).map(at).collect()))
-    };
-    let average = file.text("oiio:AverageColor");
-    let constant = file.text("oiio:ConstantColor");
-    match what {
-        "resolution" => {
-            let [left, top, right, bottom] = file.window;
-            ints(&[right - left + 1, bottom - top + 1])
-        }
-        "channels" => ints(&[file.channels as i32])
-            .or_else(|| (ty == Type::FLOAT).then(|| Data::Float(vec![file.channels as f32]))),
-        "datawindow" => ints(&file.window),
-        "displaywindow" => ints(&file.display),
-        "texturetype" | "textureformat" => text(file.text("textureformat").unwrap_or("Plain Texture")),
-        "averagecolor" => color(average, 0),
-        "averagealpha" if ty == Type::FLOAT => color(average, file.alpha?),
-        "constantcolor" => color(Some(constant?), 0),
-        "constantalpha" if ty == Type::FLOAT => color(Some(constant?), file.alpha?),
-        _ => text(file.text(what)?),
     }
 }

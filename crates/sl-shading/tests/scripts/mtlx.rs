@@ -6,6 +6,7 @@ use gnurt_shading::bsdf::{ClosureBatch, Kind};
 use gnurt_sl_shading::{Access, Script, materials_of_document};
 
 use super::floor::floor;
+use super::kinds::emitted;
 
 const LIBRARY: &str = "<materialx version=\"1.39\"><standard_surface name=\"S\" type=\"surfaceshader\">\
     <input name=\"specular\" type=\"float\" value=\"0\"/></standard_surface></materialx>";
@@ -41,4 +42,35 @@ fn documents_are_surfaces() {
     assert_eq!(kinds(&script), [Kind::Microfacets, Kind::Diffuse]);
     let again = script.again().expect("it is read again");
     assert_eq!(kinds(&again), kinds(&script), "with its values");
+}
+
+#[test]
+fn tiles_of_pictures_have_v_upwards() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (number, level) in [(1001, 0.25), (1012, 0.5)] {
+        let mut picture = gnurt_image::Picture::new(1, 2);
+        // The upper row is twice as bright.
+        picture.color = vec![[2.0 * level, level, 0.0, 1.0], [level, level, 0.0, 1.0]];
+        let at = folder.path().join(format!("t.{number}.pfm"));
+        gnurt_image::write(&picture, &at, &gnurt_image::WriteOptions::default()).expect("a picture");
+    }
+    let document = "<materialx version=\"1.39\"><image name=\"I\" type=\"color3\">\
+        <input name=\"file\" type=\"filename\" value=\"t.&lt;UDIM&gt;.pfm\"/>\
+        <input name=\"default\" type=\"color3\" value=\"0, 0, 1\"/>\
+        <input name=\"uaddressmode\" type=\"string\" value=\"constant\"/></image>\
+        <surface_unlit name=\"S\" type=\"surfaceshader\">\
+        <input name=\"emission_color\" type=\"color3\" nodename=\"I\"/></surface_unlit>\
+        <surfacematerial name=\"M\" type=\"material\"><input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/>\
+        </surfacematerial></materialx>";
+    let file = folder.path().join("d.mtlx");
+    std::fs::write(&file, document).expect("a file");
+    let script = Script::open(&file, &Access::default()).expect("a script");
+    let mut hits = floor(4);
+    let at = [[0.5, 0.1], [0.5, 0.9], [1.5, 1.9], [2.5, 1.9]];
+    for (i, [u, v]) in at.into_iter().enumerate() {
+        [hits.texcoord[0][i], hits.texcoord[1][i]] = [u, v];
+    }
+    let found = emitted(&*script.surface().expect("a surface"), &hits);
+    let expected = [[0.25, 0.25, 0.0], [0.5, 0.25, 0.0], [1.0, 0.5, 0.0], [0.0, 0.0, 1.0]];
+    assert_eq!(found, expected.map(glam::Vec3::from), "rows upwards, and the default where there is no tile");
 }

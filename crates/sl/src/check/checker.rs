@@ -28,6 +28,8 @@ pub struct Options {
 const GUESSES: usize = 20;
 /// Overloads times calls.
 const COMPARISONS: u64 = 3_000_000;
+/// Declarations times earlier ones of their names.
+const DECLARATIONS: u64 = 100_000_000;
 /// Initialiser lists are tried against every overload; this many tries are enough for any program.
 const TRIES: usize = 100_000;
 
@@ -59,6 +61,8 @@ pub(super) struct Checker<'a> {
     pub(super) all_early: usize,
     tries: usize,
     guesses: usize,
+    /// Comparisons of functions with earlier ones of their names.
+    pub(super) declarations: Budget,
     /// Comparisons of calls with functions of their names.
     pub(super) comparisons: Budget,
     pub(super) done: Diagnostics,
@@ -137,6 +141,10 @@ impl<'a> Checker<'a> {
                 COMPARISONS,
                 ["functions of a name are compared with calls more than", "times"],
             ),
+            declarations: Budget::new(
+                DECLARATIONS,
+                ["functions of a name are compared with each other more than", "times"],
+            ),
             done: Diagnostics::default(),
         }
     }
@@ -186,12 +194,7 @@ impl<'a> Checker<'a> {
         let number = self.signatures.len() as u32;
         let name = signature.name.clone();
         self.signatures.push(signature);
-        let mut list = match self.scopes.clash(&name) {
-            Some(Named::Funcs(list)) => list.clone(),
-            _ => Vec::new(),
-        };
-        list.push(number);
-        self.scopes.insert(name, Named::Funcs(list));
+        self.scopes.add_function(name, number);
         number
     }
 

@@ -20,6 +20,9 @@ const STRUCTS: usize = 10_000;
 /// Values in all members of a struct.
 const STRUCT_SIZE: usize = 100_000;
 
+/// Earlier definitions that a message lists.
+const MOST_LISTED: usize = 20;
+
 /// Checks declarations of structs and functions that come before other texts, and are right.
 #[must_use]
 pub fn check_library(parsed: &Parsed, sources: &Sources, options: Options) -> Known {
@@ -327,6 +330,15 @@ impl Checker<'_> {
         }
         let body = f.body.as_ref().map(|list| self.statements(list));
         self.scopes.pop();
+        let earlier = match self.scopes.find(&f.name) {
+            Some(Named::Funcs(list)) => list.len(),
+            _ => 0,
+        };
+        let was_spent = self.declarations.is_spent();
+        let is_countless = was_spent || self.declarations.spend(earlier).is_none();
+        if is_countless && !was_spent {
+            self.early_error(f.loc, self.declarations.to_string());
+        }
         let meta = self.metadata(&f.metadata);
         let flag = |name: &str| meta.iter().any(|m| &*m.name == name);
         let (frame, late) = self.leave(true);
@@ -342,7 +354,7 @@ impl Checker<'_> {
             let has_body = body.is_some();
             self.program.funcs.push(Func { name: f.name.clone(), returns, formals, body });
             let id = self.program.funcs.len() as u32 - 1;
-            if has_body {
+            if has_body && !is_countless {
                 self.define_declared(&f.name, &list, returns, id);
             }
             id
@@ -351,7 +363,7 @@ impl Checker<'_> {
             None | Some(Named::Funcs(_)) => {}
             Some(_) => self.early_error(f.loc, format!("\"{}\" already declared in this scope", f.name)),
         }
-        if f.body.is_some() && !unknown {
+        if f.body.is_some() && !unknown && !is_countless {
             self.redefined(f, &list, returns);
         }
         let signature = Signature {
@@ -395,6 +407,7 @@ impl Checker<'_> {
     fn redefined(&mut self, f: &ast::Function, formals: &[Formal], returns: Type) {
         let scope = self.scopes.number();
         let mut message = String::new();
+        let mut listed = 0;
         for number in self.overloads(&f.name) {
             let other = &self.signatures[number as usize];
             if other.scope != scope || other.formals != formals || other.returns != returns || !other.defined
@@ -415,6 +428,11 @@ impl Checker<'_> {
                     f.name,
                     types.join(", ")
                 );
+            }
+            listed += 1;
+            if listed > MOST_LISTED {
+                message.push_str("\n    and more");
+                break;
             }
             message.push_str("\n    ");
             match other.loc {

@@ -51,6 +51,15 @@ impl Scopes {
         self.open.last().and_then(|scope| scope.1.get(name))
     }
 
+    /// Adds a function to those of its name in the innermost scope; they replace another meaning.
+    pub(super) fn add_function(&mut self, name: Arc<str>, number: u32) {
+        let Some((_, scope)) = self.open.last_mut() else { return };
+        match scope.get_mut(&name) {
+            Some(Named::Funcs(list)) => list.push(number),
+            _ => drop(scope.insert(name, Named::Funcs(vec![number]))),
+        }
+    }
+
     /// Gives a name its meaning from here on.
     pub(super) fn insert(&mut self, name: Arc<str>, named: Named) {
         if let Some(scope) = self.open.last_mut() {
