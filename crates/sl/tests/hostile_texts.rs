@@ -73,10 +73,6 @@ fn texts_that_repeat_end_soon_with_one_line() {
         let start = Instant::now();
         let made = gnurt_sl::compile("t.osl", &text, &gnurt_sl::Options::default(), &|_| None);
         let seconds = start.elapsed().as_secs_f64();
-        println!(
-            "{seconds:6.2} s, {}, {what}",
-            made.diagnostics.list.first().map_or("sound", |d| &d.message)
-        );
         // Builds without optimisation take longer.
         let most = if cfg!(debug_assertions) { 10.0 * MOST_SECONDS } else { MOST_SECONDS };
         assert!(seconds < most, "{what}: {seconds} s");
