@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Names of textures in tiles, one file for each unit square of texture coordinates.
-//! A name has one or more patterns: `<UDIM>`, `<UVTILE>` and the others of [`PATTERNS`]. Every unit square of the
+//! A name has one or more patterns: `<UDIM>`, `<UVTILE>` and the others of `PATTERNS`. Every unit square of the
 //! coordinates (u, v), v upwards, has a file: the patterns are replaced by its column and its row.
 //! Source: OpenImageIO's documentation of UDIM texture atlases; MaterialX 1.39, section on filename substitutions.
 //! Tests: `tests`.
