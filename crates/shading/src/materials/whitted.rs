@@ -76,7 +76,7 @@ pub fn recursive_radiance(
     }
 }
 
-/// The same for the opaque part.
+/// Adds what the opaque part scatters.
 fn solid_radiance(
     tracer: &mut dyn Tracer,
     hits: &SurfaceBatch,
