@@ -12,8 +12,8 @@ use gnurt::mattes;
 use gnurt::memory::check_memory;
 use gnurt::osl::{Access, CameraScript, Script};
 use gnurt::render::{
-    Accumulation, Integrator, LightLayer, Mattes, RenderError, RenderOptions, RenderStats, render_on,
-    shader_outputs, unknown_labels,
+    Accumulation, Integrator, LightLayer, Mattes, RenderError, RenderOptions, RenderStats, missing_output,
+    render_on, unknown_labels,
 };
 use gnurt::scene::Affine;
 use gnurt::shading::PixelShader;
@@ -129,15 +129,8 @@ impl BuildRequest {
             options.light_layers.extend(more);
         }
         if !options.light_layers.is_empty() {
-            let outputs = shader_outputs(&shot.world);
-            let is_known = |name: &&str| outputs.iter().any(|output| output.name == **name);
-            let mut asked = options.light_layers.iter().filter_map(LightLayer::output);
-            if let Some(name) = asked.find(|name| !is_known(name)) {
-                let names: Vec<&str> = outputs.iter().map(|output| &output.name[..]).collect();
-                return Err(error(&format_args!(
-                    "no shader of the scene has an output '{name}'; there are: {}",
-                    names.join(", ")
-                )));
+            if let Some(why) = missing_output(&shot.world, &options.light_layers) {
+                return Err(error(&why));
             }
             let unknown = unknown_labels(&shot.world, &options.light_layers).map_err(|why| error(&why))?;
             if let Some(label) = unknown.first() {

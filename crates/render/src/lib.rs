@@ -64,6 +64,6 @@ pub use packing::{empty_picture, pack_piece, rendered_rects, unpack_piece};
 pub use piece::Piece;
 pub use pixel_trace::{PixelTrace, trace_pixel};
 pub use render::{render, render_on};
-pub use shader_outputs::shader_outputs;
+pub use shader_outputs::{missing_output, shader_outputs};
 pub use stats::RenderStats;
 pub use world::{CommitOptions, CommitReport, ShaderTable, World, WorldStats};

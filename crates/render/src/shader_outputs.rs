@@ -21,6 +21,17 @@ pub fn shader_outputs(world: &World) -> Vec<ShaderOutput> {
     found
 }
 
+/// Why the layers cannot be made, if one asks for an output that no shader of the world has.
+#[must_use]
+pub fn missing_output(world: &World, layers: &[LightLayer]) -> Option<String> {
+    let outputs = shader_outputs(world);
+    let is_missing = |name: &&str| outputs.iter().all(|output| output.name != **name);
+    let name = layers.iter().filter_map(LightLayer::output).find(is_missing)?;
+    let names: Vec<&str> = outputs.iter().map(|output| &output.name[..]).collect();
+    let names = if names.is_empty() { "none".into() } else { names.join(", ") };
+    Some(format!("no shader of the scene has an output '{name}'; there are: {names}"))
+}
+
 /// The form of each layer; light is a colour.
 pub(crate) fn kinds(world: &World, layers: &[LightLayer]) -> Vec<OutputKind> {
     if layers.iter().all(|layer| layer.output().is_none()) {

@@ -4,7 +4,7 @@
 //! Tests: `tests/program/light_layers.rs`.
 
 use gnurt::layers::{LayerList, layers};
-use gnurt::render::{Integrator, LightLayer, RenderOptions, World, shader_outputs, unknown_labels};
+use gnurt::render::{Integrator, LightLayer, RenderOptions, World, missing_output, unknown_labels};
 use gnurt::scene::Scene;
 
 use crate::arguments::RenderArguments;
@@ -76,16 +76,8 @@ pub(super) fn check(world: &World, scene: &Scene, options: &RenderOptions) -> Ou
     if options.light_layers.is_empty() {
         return Ok(());
     }
-    let outputs = shader_outputs(world);
-    let is_known = |name: &&str| outputs.iter().any(|output| output.name == **name);
-    if let Some(name) =
-        options.light_layers.iter().filter_map(LightLayer::output).find(|name| !is_known(name))
-    {
-        let names: Vec<&str> = outputs.iter().map(|output| &output.name[..]).collect();
-        let names = if names.is_empty() { "none".into() } else { names.join(", ") };
-        return Err(Failure::usage(format_args!(
-            "--layers: no shader of the scene has an output '{name}'; there are: {names}"
-        )));
+    if let Some(why) = missing_output(world, &options.light_layers) {
+        return Err(Failure::usage(format_args!("--layers: {why}")));
     }
     let unknown = unknown_labels(world, &options.light_layers).map_err(Failure::usage)?;
     let Some(label) = unknown.first() else { return Ok(()) };
