@@ -110,15 +110,16 @@ fn gather(
         shader.evaluate(points, &mut closures);
         to.add_outputs(shader, points, |k| {
             let (pixel, share) = of(lanes[k] as usize);
-            (pixel, share * closures.point(k).coverage.clamp(0.0, 1.0))
+            (pixel, share * closures.coverage(k).clamp(0.0, 1.0))
         });
         for (k, &lane) in lanes.iter().enumerate() {
             let (pixel, share) = of(lane as usize);
-            let scattering = closures.point(k);
-            let coverage = scattering.coverage.clamp(0.0, 1.0);
-            let parts = scattering.bsdf.albedo_parts(-points.ray_dir.get(k));
-            if coverage > 0.0 && parts.iter().all(|part| part.is_finite()) {
-                to.add_colors(pixel, share * coverage, parts);
+            let coverage = closures.coverage(k).clamp(0.0, 1.0);
+            if coverage > 0.0 && !to.colors.is_empty() {
+                let parts = closures.point(k).bsdf.albedo_parts(-points.ray_dir.get(k));
+                if parts.iter().all(|part| part.is_finite()) {
+                    to.add_colors(pixel, share * coverage, parts);
+                }
             }
             let left = share * (1.0 - coverage);
             if left > LEAST {
