@@ -4,8 +4,7 @@
 //! Names are those of OSL's renderers: an output of the last layer that has it, or `layer.output`.
 //! Tests: `tests/scripts/outputs.rs`.
 
-use std::collections::HashMap;
-use std::sync::{Arc, RwLock};
+use std::sync::OnceLock;
 
 use glam::Vec3;
 use gnurt_shading::{OutputKind, ShaderOutput, SurfaceBatch, Vec3s};
@@ -24,7 +23,8 @@ pub(crate) struct Outputs {
     pub(crate) all: Vec<ShaderOutput>,
     /// Compiles the program of an output.
     make: Box<Make>,
-    made: RwLock<HashMap<String, Option<Arc<Common>>>>,
+    /// By output; `None` where it could not be compiled.
+    made: Vec<OnceLock<Option<Common>>>,
 }
 
 /// The form of a type that layers can hold.
@@ -63,27 +63,18 @@ fn listed(group: &Group) -> Vec<ShaderOutput> {
 impl Outputs {
     /// Those of a group; `make` compiles the program of one.
     pub(crate) fn of(group: &Group, make: Box<Make>) -> Self {
-        Self { all: listed(group), make, made: RwLock::default() }
-    }
-
-    fn program(&self, name: &str) -> Option<Arc<Common>> {
-        if let Some(found) = self.made.read().ok()?.get(name) {
-            return found.clone();
-        }
-        let is_known = self.all.iter().any(|output| output.name == name);
-        let mut made = self.made.write().ok()?;
-        let make = || is_known.then(|| (self.make)(name)).flatten().map(Arc::new);
-        made.entry(name.to_owned()).or_insert_with(make).clone()
+        let all = listed(group);
+        let made = all.iter().map(|_| OnceLock::new()).collect();
+        Self { all, make, made }
     }
 
     /// Writes an output of all points.
     pub(crate) fn write(&self, name: &str, hits: &SurfaceBatch, out: &mut Vec3s) {
-        let Some(kind) = self.all.iter().find(|output| output.name == name).map(|output| output.kind) else {
-            return;
-        };
-        let Some(common) = self.program(name) else { return };
+        let Some(number) = self.all.iter().position(|output| output.name == name) else { return };
+        let Some(common) = self.made[number].get_or_init(|| (self.make)(name)) else { return };
         let Some(row) = common.row(name) else { return };
-        let world = World::around(&common, hits, None);
+        let kind = self.all[number].kind;
+        let world = World::around(common, hits, None);
         common.with_scratch(|scratch| {
             for first in (0..hits.len()).step_by(LANES) {
                 points(hits, first, Caller::Rays, common.needs, &mut scratch.points);
