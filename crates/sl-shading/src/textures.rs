@@ -43,7 +43,7 @@ pub(crate) struct Textures {
     known: [RwLock<HashMap<String, Found>>; 2],
     infos: Mutex<HashMap<String, FoundInfo>>,
     /// The tiles of names with patterns.
-    present: Mutex<HashMap<String, Arc<[[u32; 2]]>>>,
+    present: RwLock<HashMap<String, Arc<[[u32; 2]]>>>,
     clouds: Mutex<HashMap<String, FoundCloud>>,
     volumes: Volumes,
 }
@@ -55,7 +55,7 @@ impl Textures {
             folder,
             known: Default::default(),
             infos: Mutex::default(),
-            present: Mutex::default(),
+            present: RwLock::default(),
             clouds: Mutex::default(),
             volumes: Volumes::default(),
         }
@@ -91,12 +91,8 @@ impl Textures {
         tile: [u32; 2],
         color_space: &str,
     ) -> Result<Option<Arc<TextureSampler>>, Arc<str>> {
-        let name = tile_name(name, tile);
-        // Missing tiles are not stored: a name may have thousands.
-        let is_stored =
-            self.known.iter().any(|known| known.read().is_ok_and(|known| known.contains_key(&name)));
-        let is_there = is_stored || self.has(&name);
-        is_there.then(|| self.find(&name, color_space)).transpose()
+        let is_there = self.tiles_of(name).contains(&tile);
+        is_there.then(|| self.find(&tile_name(name, tile), color_space)).transpose()
     }
 
     /// Whether there is a picture of this name.
@@ -104,14 +100,15 @@ impl Textures {
         self.access.pictures.contains_key(name) || self.path(name).is_file()
     }
 
-    /// The tiles that a name has.
+    /// The tiles that a name has; they are searched once.
     fn tiles_of(&self, name: &str) -> Arc<[[u32; 2]]> {
-        let Ok(mut present) = self.present.lock() else { return Arc::new([]) };
-        if let Some(found) = present.get(name) {
-            return found.clone();
+        if let Some(found) = self.present.read().ok().and_then(|present| present.get(name).cloned()) {
+            return found;
         }
         let found: Arc<[[u32; 2]]> = tiles().filter(|&tile| self.has(&tile_name(name, tile))).collect();
-        if present.len() < MOST {
+        if let Ok(mut present) = self.present.write()
+            && present.len() < MOST
+        {
             present.insert(name.to_owned(), found.clone());
         }
         found
@@ -258,25 +255,27 @@ impl Textures {
     fn sample_tiles(
         &self,
         file: &str,
-        lanes: u32,
+        mut lanes: u32,
         [s, t]: [&DualRow; 2],
         options: &TextureOptions,
         out: &mut [DualRow; 4],
     ) -> bool {
-        let mut last: Option<([u32; 2], Arc<TextureSampler>)> = None;
-        for i in lanes_of(lanes) {
+        let place = |i: usize| {
             let at = [s.get(i), t.get(i)];
-            let Some((tile, within)) = tile_at([at[0].value, at[1].value]) else { return false };
-            if last.as_ref().is_none_or(|(known, _)| *known != tile) {
-                let Ok(Some(sampler)) = self.find_tile(file, tile, &options.color_space) else {
-                    return false;
-                };
-                last = Some((tile, sampler));
-            }
-            let Some((_, sampler)) = &last else { return false };
-            let texel = WrapOptions::of_tile(sampler, options).read(moved(at, within));
-            for (row, x) in out.iter_mut().zip(texel) {
-                row.set(i, x);
+            let (tile, within) = tile_at([at[0].value, at[1].value])?;
+            Some((tile, moved(at, within)))
+        };
+        while lanes != 0 {
+            // All points in the tile of the first one.
+            let Some((tile, _)) = place(lanes.trailing_zeros() as usize) else { return false };
+            let Ok(Some(sampler)) = self.find_tile(file, tile, &options.color_space) else { return false };
+            let wrap_options = WrapOptions::of_tile(&sampler, options);
+            for i in lanes_of(lanes) {
+                let Some((_, at)) = place(i).filter(|(other, _)| *other == tile) else { continue };
+                for (row, x) in out.iter_mut().zip(wrap_options.read(at)) {
+                    row.set(i, x);
+                }
+                lanes &= !(1 << i);
             }
         }
         true

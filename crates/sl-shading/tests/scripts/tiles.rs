@@ -25,10 +25,10 @@ fn tile(folder: &Path, name: &str, color: [f32; 3]) {
 /// Points in the tiles 1001, 1002, 1012 and 1022, and left of all.
 const POINTS: [[f32; 2]; 5] = [[0.3, 0.9], [1.3, 0.9], [1.3, 1.9], [1.3, 2.9], [-0.3, 0.9]];
 
-fn hits() -> SurfaceBatch {
+fn hits(points: &[[f32; 2]]) -> SurfaceBatch {
     let mut hits = floor(40);
     for i in 0..40 {
-        [hits.texcoord[0][i], hits.texcoord[1][i]] = POINTS[i % 5];
+        [hits.texcoord[0][i], hits.texcoord[1][i]] = points[i % points.len()];
     }
     hits
 }
@@ -40,13 +40,17 @@ fn open(folder: &Path, body: &str) -> Arc<dyn SurfaceShader> {
 }
 
 /// The same by the interpreter and by code.
-fn lights(folder: &Path, body: &str) -> Vec<Vec3> {
-    let shader = open(folder, body);
-    let first = emitted(&*shader, &hits());
+fn lights_at(folder: &Path, body: &str, points: &[[f32; 2]]) -> Vec<Vec3> {
+    let (shader, hits, count) = (open(folder, body), hits(points), points.len());
+    let first = emitted(&*shader, &hits);
     std::thread::sleep(std::time::Duration::from_millis(150));
-    assert_eq!(first, emitted(&*shader, &hits()), "code: {body}");
-    assert_eq!(first[..5], first[20..25], "all lanes: {body}");
-    first[..5].to_vec()
+    assert_eq!(first, emitted(&*shader, &hits), "code: {body}");
+    assert_eq!(first[..count], first[4 * count..5 * count], "all lanes: {body}");
+    first[..count].to_vec()
+}
+
+fn lights(folder: &Path, body: &str) -> Vec<Vec3> {
+    lights_at(folder, body, &POINTS)
 }
 
 #[test]
@@ -82,6 +86,30 @@ fn names_of_tiles_are_a_file_for_each_unit_square() {
     assert_eq!(lights(folder, body)[0], expected[0] * 0.5, "the upper row");
 }
 
+/// Pictures that vary along s and t, at positions away from their edges. All points are in tiles with files, so that they
+/// are read together.
+#[test]
+fn positions_lie_within_their_tile() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    for (number, first) in [(1001, 0.0), (1002, 100.0), (1012, 200.0)] {
+        let mut picture = Picture::new(4, 4);
+        for (i, texel) in picture.color.iter_mut().enumerate() {
+            *texel = [first + i as f32, 0.0, 0.0, 1.0];
+        }
+        gnurt_image::write(&picture, &folder.join(format!("a.{number}.pfm")), &WriteOptions::default())
+            .expect("a picture");
+    }
+    // Rows of four texels, downwards.
+    for (s, t, column, row) in [(0.0, 0.0, 1, 3), (0.3, -0.6, 2, 1), (-0.2, -0.3, 0, 2), (0.5, -0.8, 3, 0)] {
+        let read = format!("texture (\"a.<UDIM>.pfm\", u + {s}, v + {t}, \"interp\", \"closest\")");
+        let found = lights_at(folder, &format!("Ci = (color) {read} * emission ();"), &POINTS[..3]);
+        let texel = (4 * row + column) as f32;
+        let red: Vec<f32> = found.iter().map(|light| light.x).collect();
+        assert_eq!(red, [texel, 100.0 + texel, 200.0 + texel], "{read}");
+    }
+}
+
 #[test]
 fn missing_tiles_are_not_reported() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -94,7 +122,7 @@ fn missing_tiles_are_not_reported() {
         )
         .expect("a shader");
         let script = Script::open(&at, &Access::default()).expect("it compiles");
-        emitted(&*script.surface().expect("a surface"), &hits());
+        emitted(&*script.surface().expect("a surface"), &hits(&POINTS));
         assert_eq!(script.faults().len(), count, "{name}: {:?}", script.faults());
     }
 }
