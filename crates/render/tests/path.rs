@@ -100,6 +100,24 @@ fn lights_without_extent_and_rectangles() {
     }
 }
 
+/// A panel, a sky and a sun are three groups, of which the first vertex samples one light each: their closed forms add up.
+#[test]
+fn groups_of_lights_add_up() {
+    let mut scene = floor(ALBEDO, 10.0);
+    let light = emitter(&mut scene, [5.0, 1.0, 2.0]);
+    put_mesh(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
+    scene.add_light(environment([1.0; 3]));
+    // Thirty degrees above the horizon, beside the panel.
+    scene.add_light(Light::Directional { direction: [-3.0_f32.sqrt(), 0.0, -1.0], irradiance: [2.0; 3] });
+    let found = measured(&scene, [-0.01, -0.01, 0.5], [0.0; 3], 1024, 2);
+    let corner = 0.5_f64.sqrt();
+    let form = 4.0 * 2.0 * corner * corner.atan() / (2.0 * PI);
+    for (found, panel) in found.into_iter().zip([5.0, 1.0, 2.0]) {
+        let expected = f64::from(ALBEDO) * (form * panel + (1.0 - form) + 2.0 * 0.5 / PI);
+        assert_close(found, expected, 5e-3, "a panel, the sky beside it and the sun");
+    }
+}
+
 /// Sends the same radiance to all sides, and does not say how it scatters.
 struct Tells(f32);
 

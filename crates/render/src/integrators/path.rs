@@ -24,8 +24,8 @@ use crate::transport::links::LinkedPaths;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
-    Blockers, Known, LightQuery, Offer, Path, Wavefront, add, media, panes, power_heuristic,
-    query_plugin_lights, shadow_ray,
+    Blockers, Known, LightQuery, Offer, Path, Wavefront, add, media, panes, query_plugin_lights, shadow_ray,
+    weigh_environment,
 };
 use crate::world::HitLanes;
 
@@ -296,9 +296,7 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefro
             continue;
         }
         let dir = Vec3::from(from.rays.get(i).dir);
-        let weight = path.from.map_or(1.0, |origin| {
-            power_heuristic(origin.pdf, lights.pdf_environment(origin.p, origin.ns, dir))
-        });
+        let weight = weigh_environment(lights, &path, dir);
         let left = left_after(f32::INFINITY, [path.absorption, Vec3::ZERO]);
         let light = path.throughput * direct.get(k) * weight * left;
         let light = add(radiance, path.lane, light, path.edges, tracer.options.clamp);

@@ -111,7 +111,8 @@ fn sample<W: Width>(
         let requested = (count - first).min(W::R::LANES as u32);
         let requests_light = zero.points((1 << requested) - 1);
         let all_sides = zero.points(if is_two_sided { u64::from(u32::MAX) } else { 0 });
-        let light = width.lights(lights, [requests_light, all_sides], [p, ns], [emitter_choice, u, v]);
+        let light =
+            width.lights((lights, None), [requests_light, all_sides], [p, ns], [emitter_choice, u, v]);
         if !W::R::any(light.found & requests_light) {
             continue;
         }
@@ -142,8 +143,12 @@ fn sample_each<W: Width>(width: W, lights: &LightSet, seed: u64, stops: &[&Stop]
     let [u, v] = W::pair(draws, purpose::POSITION);
     let requests_light = zero.points((1 << stops.len()) - 1);
     let [p, ns] = [&p, &ns].map(|[x, y, z]| Vector::load(zero, [x, y, z], 0));
-    let light =
-        width.lights(lights, [requests_light, zero.points(all_sides)], [p, ns], [emitter_choice, u, v]);
+    let light = width.lights(
+        (lights, None),
+        [requests_light, zero.points(all_sides)],
+        [p, ns],
+        [emitter_choice, u, v],
+    );
     if !W::R::any(light.found & requests_light) {
         return;
     }

@@ -18,7 +18,7 @@ use gnurt_shading::{Leaving, Rays, SampleKey, SurfaceBatch, Vec3s};
 
 use super::flight::{Parts, Random};
 use super::medium_vertices::MediumVertices;
-use super::mis::power_heuristic;
+use super::mis::{most_light_samples, power_heuristic, splits};
 use super::paths::{Of, Paths, Scattered};
 use super::step::Onward;
 use super::width::Width;
@@ -165,7 +165,7 @@ pub(crate) fn scatter<W: Width>(
 ) {
     let count = vertices.numbers.len();
     onward.next.reserve(count);
-    onward.unshadowed.reserve(count);
+    onward.unshadowed.reserve(count * most_light_samples(world.light_set()));
     for first in (0..count).step_by(W::R::LANES) {
         let lanes = W::R::LANES.min(count - first);
         scatter_lanes(width, (world, options), (paths, keys), vertices, (first, lanes), onward);
@@ -181,8 +181,7 @@ fn scatter_lanes<W: Width>(
     (first, lanes): (usize, usize),
     onward: &mut Onward,
 ) {
-    let (zero, one) = (width.zero(), width.zero().all(1.0));
-    let (lights, none) = (world.light_set(), zero.points(0));
+    let (zero, lights) = (width.zero(), world.light_set());
     let of = Of { paths, keys, numbers: &vertices.numbers[first..] };
     let mut there = u64::MAX >> (64 - lanes);
     let mut edges = [0; LANES];
@@ -211,39 +210,20 @@ fn scatter_lanes<W: Width>(
     let draws = width.draws(options.seed, &vertices.keys[first..], &edges);
     let error = p.abs().max_element() * ERROR_SCALE;
     if !lights.is_empty() {
-        let [x, y, choice] = W::triple(draws, purpose::LIGHT_POSITION);
-        // From all sides.
-        let light = width.lights(lights, [there, there], [p, along], [choice, x, y]);
-        let pdf = phase.value(along.dot(light.dir));
-        let lit = there & light.found & !light.radiance.is_zero();
-        let mut weight = W::R::pick(light.delta, one, power_heuristic(light.pdf, pdf));
-        let mut blockers = [0; LANES];
-        if let Some(linked) = &onward.linked {
-            let mut alone = 0;
-            for i in LanesOf(W::R::bits(lit)) {
-                let u = [choice.lane(i), x.lane(i), y.lane(i)];
-                let found = lights.sample(p.get(i), Vec3::ZERO, u);
-                blockers[i] = found.map_or(0, |found| linked.links.blockers(found.light));
-                alone |= u64::from(blockers[i] != 0) << i;
-            }
-            weight = W::R::pick(zero.points(alone), one, weight);
+        let points = LitVertices { of, p, along, phase: &phase, throughput, error };
+        let mut firsts = 0;
+        for (i, &edges) in edges.iter().enumerate().take(lanes) {
+            firsts |= u64::from(splits(lights, edges)) << i;
         }
-        let arriving = light.radiance * (pdf * weight / light.pdf);
-        let here = throughput * arriving;
-        let lit = lit & here.is_finite();
-        let at = Leaving { p, error, ng: light.dir, ns: light.dir, lift: Vector::grey(zero) };
-        let (ray, _) = at.shadow_rays(light.dir, light.dist, none);
-        onward.unshadowed.push_all([lit, lit & light.delta], of, &ray, here, None);
-        if let Some(linked) = &mut onward.linked {
-            linked.blockers.extend(LanesOf(W::R::bits(lit)).map(|i| blockers[i]));
+        let firsts = there & zero.points(firsts);
+        if W::R::any(there & !firsts) {
+            let numbers = W::triple(draws, purpose::LIGHT_POSITION);
+            take_light_sample(width, world, &points, (there & !firsts, None, numbers), onward);
         }
-        if let Some(ledger) = &mut onward.ledger {
-            for i in LanesOf(W::R::bits(lit)) {
-                let u = [choice.lane(i), x.lane(i), y.lane(i)];
-                let chosen = lights.sample(p.get(i), Vec3::ZERO, u).map(|sample| sample.light);
-                let classes = &ledger.paths.classes;
-                let end = chosen.map_or_else(|| classes.plugin(), |light| classes.light(light, lights));
-                ledger.light(of.numbers[i] as usize, &[(Scatter::VOLUME, Vec3::ONE)], end);
+        if W::R::any(firsts) {
+            for group in lights.split_groups() {
+                let numbers = W::triple(draws, purpose::LIGHT_GROUP + group as u32);
+                take_light_sample(width, world, &points, (firsts, Some(group), numbers), onward);
             }
         }
     }
@@ -276,6 +256,65 @@ fn scatter_lanes<W: Width>(
     if let Some(ledger) = &mut onward.ledger {
         for i in LanesOf(W::R::bits(alive)) {
             ledger.scatter(of.numbers[i] as usize, &[(Scatter::VOLUME, Vec3::ONE)]);
+        }
+    }
+}
+
+/// Vertices that request light.
+struct LitVertices<'a, R: Real> {
+    of: Of<'a>,
+    p: Vector<R>,
+    /// Unit, along the rays.
+    along: Vector<R>,
+    phase: &'a Phase<R>,
+    throughput: Vector<R>,
+    error: R,
+}
+
+/// Samples a light, of one group if it is named, for the vertices that request it.
+#[inline(always)]
+fn take_light_sample<W: Width>(
+    width: W,
+    world: &World,
+    vertices: &LitVertices<W::R>,
+    (requests, group, [x, y, choice]): (<W::R as Real>::Mask, Option<usize>, [W::R; 3]),
+    onward: &mut Onward,
+) {
+    let &LitVertices { of, p, along, phase, throughput, error } = vertices;
+    let (zero, one) = (width.zero(), width.zero().all(1.0));
+    let (lights, none) = (world.light_set(), zero.points(0));
+    // From all sides.
+    let light = width.lights((lights, group), [requests, requests], [p, along], [choice, x, y]);
+    let pdf = phase.value(along.dot(light.dir));
+    let lit = requests & light.found & !light.radiance.is_zero();
+    let mut weight = W::R::pick(light.delta, one, power_heuristic(light.pdf, pdf));
+    let mut blockers = [0; LANES];
+    if let Some(linked) = &onward.linked {
+        let mut alone = 0;
+        for i in LanesOf(W::R::bits(lit)) {
+            let u = [choice.lane(i), x.lane(i), y.lane(i)];
+            let found = lights.sample_among(group, p.get(i), Vec3::ZERO, u);
+            blockers[i] = found.map_or(0, |found| linked.links.blockers(found.light));
+            alone |= u64::from(blockers[i] != 0) << i;
+        }
+        weight = W::R::pick(zero.points(alone), one, weight);
+    }
+    let arriving = light.radiance * (pdf * weight / light.pdf);
+    let here = throughput * arriving;
+    let lit = lit & here.is_finite();
+    let at = Leaving { p, error, ng: light.dir, ns: light.dir, lift: Vector::grey(zero) };
+    let (ray, _) = at.shadow_rays(light.dir, light.dist, none);
+    onward.unshadowed.push_all([lit, lit & light.delta], of, &ray, here, None);
+    if let Some(linked) = &mut onward.linked {
+        linked.blockers.extend(LanesOf(W::R::bits(lit)).map(|i| blockers[i]));
+    }
+    if let Some(ledger) = &mut onward.ledger {
+        for i in LanesOf(W::R::bits(lit)) {
+            let u = [choice.lane(i), x.lane(i), y.lane(i)];
+            let chosen = lights.sample_among(group, p.get(i), Vec3::ZERO, u).map(|sample| sample.light);
+            let classes = &ledger.paths.classes;
+            let end = chosen.map_or_else(|| classes.plugin(), |light| classes.light(light, lights));
+            ledger.light(of.numbers[i] as usize, &[(Scatter::VOLUME, Vec3::ONE)], end);
         }
     }
 }

@@ -41,8 +41,34 @@ pub(crate) fn weigh(lights: &LightSet, path: &Path, ids: [u32; 3], p: Vec3, dir:
         return 1.0;
     };
     let dist = (p - origin.p).length();
-    let pdf = lights.pdf_triangle(origin.p, origin.ns, triangle, dir, dist);
+    let pdf = if splits(lights, path.edges - 1) {
+        lights.pdf_triangle_in_group(origin.p, origin.ns, triangle, dir, dist)
+    } else {
+        lights.pdf_triangle(origin.p, origin.ns, triangle, dir, dist)
+    };
     power_heuristic(origin.pdf, pdf)
+}
+
+/// The same for light of the environment.
+pub(crate) fn weigh_environment(lights: &LightSet, path: &Path, dir: Vec3) -> f32 {
+    let Some(origin) = path.from else { return 1.0 };
+    let pdf = if splits(lights, path.edges - 1) {
+        lights.pdf_environment_in_group(origin.ns, dir)
+    } else {
+        lights.pdf_environment(origin.p, origin.ns, dir)
+    };
+    power_heuristic(origin.pdf, pdf)
+}
+
+/// Whether a vertex that a path reached by this number of edges samples each group of lights: only the first, because its
+/// noise is seen most, and longer paths would send more rays for less.
+pub(crate) fn splits(lights: &LightSet, edges: u32) -> bool {
+    edges == 1 && !lights.split_groups().is_empty()
+}
+
+/// How many lights a vertex samples at most.
+pub(crate) fn most_light_samples(lights: &LightSet) -> usize {
+    lights.split_groups().len().max(1)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, RayKind, SurfaceBatch, Vec3s};
 
 use super::links::LinkedPaths;
-use super::mis::{power_heuristic, weigh};
+use super::mis::{most_light_samples, power_heuristic, splits, weigh};
 use super::paths::{Boundary, NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::Width;
 use super::{add, opacity, roulette};
@@ -229,7 +229,7 @@ pub(crate) fn is_hole(world: &World, edges: u32, instance: u32) -> bool {
 pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
     let count = met.numbers.len();
     onward.next.reserve(count);
-    onward.unshadowed.reserve(count);
+    onward.unshadowed.reserve(count * most_light_samples(met.world.light_set()));
     let has_holdouts = onward.held.is_some();
     let needs_vertices = has_holdouts
         || met.closures.emits()
@@ -277,7 +277,7 @@ fn scatter<W: Width>(
     onward: &mut Onward,
 ) {
     let (options, points, lights) = (met.options, met.points, met.world.light_set());
-    let (zero, one) = (width.zero(), width.zero().all(1.0));
+    let zero = width.zero();
     let of = Of { paths: met.paths, keys: met.from.keys, numbers: &met.numbers[first..] };
     let there = zero.points(there);
     let wo = -vectors(zero, &points.ray_dir, first);
@@ -290,74 +290,22 @@ fn scatter<W: Width>(
     let mut prepared = Prepared::none(zero);
     width.prepare(met.closures, first, (wo, throughput), &mut prepared);
     let draws = width.draws(options.seed, &points.key[first..], edges);
-    let translucent = prepared.is_translucent();
-    let boundary = met.boundary(first, W::R::LANES);
     if !lights.is_empty() {
-        let requests_light = there & prepared.is_smooth();
-        if W::R::any(requests_light) {
-            let [x, y, choice] = W::triple(draws, purpose::LIGHT_POSITION);
-            let light = width.lights(lights, [requests_light, translucent], [at.p, at.ns], [choice, x, y]);
-            let (value, pdf) = prepared.eval_pdf(light.dir);
-            let lit = requests_light & light.found & !value.is_zero() & !light.radiance.is_zero();
-            let weight = if met.backdrop.is_some() { one } else { power_heuristic(light.pdf, pdf) };
-            let mut weight = W::R::pick(light.delta, one, weight);
-            let (mut lit, mut blockers) = (lit, [0; LANES]);
-            if let Some(linked) = &onward.linked {
-                let all_sides = W::R::bits(translucent);
-                let [mut reached, mut alone] = [0, 0];
-                for i in LanesOf(W::R::bits(lit)) {
-                    let ns = if all_sides >> i & 1 != 0 { Vec3::ZERO } else { at.ns.get(i) };
-                    let u = [choice.lane(i), x.lane(i), y.lane(i)];
-                    let Some(found) = lights.sample(at.p.get(i), ns, u) else { continue };
-                    blockers[i] = linked.links.blockers(found.light);
-                    let is_reached = linked.links.reaches(found.light, points.inst_id[first + i]);
-                    reached |= u64::from(is_reached) << i;
-                    alone |= u64::from(blockers[i] != 0) << i;
-                }
-                lit = lit & zero.points(reached);
-                weight = W::R::pick(zero.points(alone), one, weight);
-            }
-            let arriving = light.radiance * (weight / light.pdf);
-            let transmitted = zero.above(prepared.normal().dot(light.dir));
-            let (ray, sends) = at.shadow_rays(light.dir, light.dist, transmitted);
-            let lit = lit & sends;
-            let here = throughput * value * arriving;
-            let here = met.dimmed(first, lit, (here, transmitted), light.dist);
-            if met.backdrop.is_some() {
-                // The backdrop includes the environment's light: it is subtracted, and added again if
-                // unoccluded.
-                let far = lit & !light.delta & !light.dist.is_number();
-                for i in LanesOf(W::R::bits(far)) {
-                    let path = met.path(first + i);
-                    let light = add(onward.radiance, path.lane, -here.get(i), path.edges + 1, options.clamp);
-                    if let Some(ledger) = &mut onward.ledger {
-                        let end = ledger.paths.classes.background();
-                        ledger.found(met.numbers[first + i] as usize, (path.lane, light), end);
-                    }
-                }
-            }
-            let begins = met.absorption(first, lit, transmitted, zero);
-            let delta_requests = lit & light.delta & begins.is_zero();
-            let through = boundary.map(|boundary| (boundary, W::R::bits(transmitted)));
-            onward.unshadowed.push_all([lit, delta_requests], of, &ray, here, through);
-            if let Some(linked) = &mut onward.linked {
-                linked.blockers.extend(LanesOf(W::R::bits(lit)).map(|i| blockers[i]));
-            }
-            if let Some(ledger) = &mut onward.ledger {
-                let transmitted = W::R::bits(transmitted);
-                let all_sides = W::R::bits(translucent);
-                for i in LanesOf(W::R::bits(lit)) {
-                    let is_lit = LitLane {
-                        k: first + i,
-                        p: at.p.get(i),
-                        ns: if all_sides >> i & 1 != 0 { Vec3::ZERO } else { at.ns.get(i) },
-                        u: [choice.lane(i), x.lane(i), y.lane(i)],
-                        wo: wo.get(i),
-                        wi: light.dir.get(i),
-                        is_transmitted: transmitted >> i & 1 != 0,
-                    };
-                    note_light(met, &is_lit, ledger);
-                }
+        let requests = there & prepared.is_smooth();
+        let points = LitPoints { first, of, at: &at, wo, throughput, prepared: &prepared };
+        let mut firsts = 0;
+        for (i, &edges) in edges.iter().enumerate().take(W::R::LANES) {
+            firsts |= u64::from(splits(lights, edges)) << i;
+        }
+        let firsts = requests & zero.points(firsts);
+        if W::R::any(requests & !firsts) {
+            let numbers = W::triple(draws, purpose::LIGHT_POSITION);
+            take_light_sample(width, met, &points, (requests & !firsts, None, numbers), onward);
+        }
+        if W::R::any(firsts) {
+            for group in lights.split_groups() {
+                let numbers = W::triple(draws, purpose::LIGHT_GROUP + group as u32);
+                take_light_sample(width, met, &points, (firsts, Some(group), numbers), onward);
             }
         }
     }
@@ -376,13 +324,105 @@ fn scatter<W: Width>(
     go_on((met, first), (of, there), &at, &prepared, (chosen, throughput), (survival, edges, cone), onward);
 }
 
+/// Points that request light: those of a batch from `first` on.
+struct LitPoints<'a, R: Real> {
+    first: usize,
+    of: Of<'a>,
+    at: &'a Leaving<R>,
+    /// Unit, against the rays.
+    wo: Vector<R>,
+    throughput: Vector<R>,
+    prepared: &'a Prepared<R>,
+}
+
+/// Samples a light, of one group if it is named, for the points that request it.
+#[inline(always)]
+fn take_light_sample<W: Width>(
+    width: W,
+    met: &Met,
+    of_points: &LitPoints<W::R>,
+    (requests, group, [x, y, choice]): (<W::R as Real>::Mask, Option<usize>, [W::R; 3]),
+    onward: &mut Onward,
+) {
+    let (options, points, lights) = (met.options, met.points, met.world.light_set());
+    let &LitPoints { first, of, at, wo, throughput, prepared } = of_points;
+    let (zero, one) = (width.zero(), width.zero().all(1.0));
+    let translucent = prepared.is_translucent();
+    let boundary = met.boundary(first, W::R::LANES);
+    let light = width.lights((lights, group), [requests, translucent], [at.p, at.ns], [choice, x, y]);
+    let (value, pdf) = prepared.eval_pdf(light.dir);
+    let lit = requests & light.found & !value.is_zero() & !light.radiance.is_zero();
+    let weight = if met.backdrop.is_some() { one } else { power_heuristic(light.pdf, pdf) };
+    let mut weight = W::R::pick(light.delta, one, weight);
+    let (mut lit, mut blockers) = (lit, [0; LANES]);
+    if let Some(linked) = &onward.linked {
+        let all_sides = W::R::bits(translucent);
+        let [mut reached, mut alone] = [0, 0];
+        for i in LanesOf(W::R::bits(lit)) {
+            let ns = if all_sides >> i & 1 != 0 { Vec3::ZERO } else { at.ns.get(i) };
+            let u = [choice.lane(i), x.lane(i), y.lane(i)];
+            let Some(found) = lights.sample_among(group, at.p.get(i), ns, u) else { continue };
+            blockers[i] = linked.links.blockers(found.light);
+            let is_reached = linked.links.reaches(found.light, points.inst_id[first + i]);
+            reached |= u64::from(is_reached) << i;
+            alone |= u64::from(blockers[i] != 0) << i;
+        }
+        lit = lit & zero.points(reached);
+        weight = W::R::pick(zero.points(alone), one, weight);
+    }
+    let arriving = light.radiance * (weight / light.pdf);
+    let transmitted = zero.above(prepared.normal().dot(light.dir));
+    let (ray, sends) = at.shadow_rays(light.dir, light.dist, transmitted);
+    let lit = lit & sends;
+    let here = throughput * value * arriving;
+    let here = met.dimmed(first, lit, (here, transmitted), light.dist);
+    if met.backdrop.is_some() {
+        // The backdrop includes the environment's light: it is subtracted, and added again if
+        // unoccluded.
+        let far = lit & !light.delta & !light.dist.is_number();
+        for i in LanesOf(W::R::bits(far)) {
+            let path = met.path(first + i);
+            let light = add(onward.radiance, path.lane, -here.get(i), path.edges + 1, options.clamp);
+            if let Some(ledger) = &mut onward.ledger {
+                let end = ledger.paths.classes.background();
+                ledger.found(met.numbers[first + i] as usize, (path.lane, light), end);
+            }
+        }
+    }
+    let begins = met.absorption(first, lit, transmitted, zero);
+    let delta_requests = lit & light.delta & begins.is_zero();
+    let through = boundary.map(|boundary| (boundary, W::R::bits(transmitted)));
+    onward.unshadowed.push_all([lit, delta_requests], of, &ray, here, through);
+    if let Some(linked) = &mut onward.linked {
+        linked.blockers.extend(LanesOf(W::R::bits(lit)).map(|i| blockers[i]));
+    }
+    if let Some(ledger) = &mut onward.ledger {
+        let transmitted = W::R::bits(transmitted);
+        let all_sides = W::R::bits(translucent);
+        for i in LanesOf(W::R::bits(lit)) {
+            let is_lit = LitLane {
+                k: first + i,
+                p: at.p.get(i),
+                ns: if all_sides >> i & 1 != 0 { Vec3::ZERO } else { at.ns.get(i) },
+                group,
+                u: [choice.lane(i), x.lane(i), y.lane(i)],
+                wo: wo.get(i),
+                wi: light.dir.get(i),
+                is_transmitted: transmitted >> i & 1 != 0,
+            };
+            note_light(met, &is_lit, ledger);
+        }
+    }
+}
+
 /// A light sample of one point, for layers of light.
 struct LitLane {
     /// The point.
     k: usize,
     p: Vec3,
     ns: Vec3,
-    /// The random numbers that chose it.
+    /// The group, if it was named, and the random numbers that chose it.
+    group: Option<usize>,
     u: [f32; 3],
     wo: Vec3,
     wi: Vec3,
@@ -392,7 +432,7 @@ struct LitLane {
 /// Notes a light sample: its light is chosen again, which gives the same one.
 fn note_light(met: &Met, lit: &LitLane, ledger: &mut Ledger) {
     let (lights, classes) = (met.world.light_set(), &ledger.paths.classes);
-    let light = lights.sample(lit.p, lit.ns, lit.u).map(|sample| sample.light);
+    let light = lights.sample_among(lit.group, lit.p, lit.ns, lit.u).map(|sample| sample.light);
     let end = light.map_or_else(|| classes.plugin(), |light| classes.light(light, lights));
     let number = met.numbers[lit.k] as usize;
     if met.backdrop.is_some() && end == classes.background() {

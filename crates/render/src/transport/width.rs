@@ -34,11 +34,11 @@ pub(crate) trait Width: Copy {
     fn pair(draws: Self::Draws, purpose: u32) -> [Self::R; 2];
     /// The triple for a purpose: see [`Draws::triple`].
     fn triple(draws: Self::Draws, purpose: u32) -> [Self::R; 3];
-    /// Lights for the points in the first of two masks, at the first of two vectors; they face the second, and those in the second
-    /// mask face all sides.
+    /// Lights, of one group if it is named, for the points in the first of two masks, at the first of two vectors; they face the
+    /// second, and those in the second mask face all sides.
     fn lights(
         self,
-        lights: &LightSet,
+        lights: (&LightSet, Option<usize>),
         masks: [<Self::R as Real>::Mask; 2],
         at: [Vector<Self::R>; 2],
         u: [Self::R; 3],
@@ -85,13 +85,13 @@ impl Width for One {
 
     fn lights(
         self,
-        lights: &LightSet,
+        (lights, group): (&LightSet, Option<usize>),
         [active, from_all_sides]: [bool; 2],
         [p, ns]: [Vector<f32>; 2],
         u: [f32; 3],
     ) -> LightSamples<f32> {
         let ns = if from_all_sides { Vec3::ZERO } else { ns.into() };
-        active.then(|| lights.sample(p.into(), ns, u)).flatten().into()
+        active.then(|| lights.sample_among(group, p.into(), ns, u)).flatten().into()
     }
 }
 
@@ -133,11 +133,11 @@ impl<S: Simd> Width for Sixteen<S> {
     #[inline(always)]
     fn lights(
         self,
-        lights: &LightSet,
+        (lights, group): (&LightSet, Option<usize>),
         [active, from_all_sides]: [<f32x16<S> as Real>::Mask; 2],
         at: [Vector<f32x16<S>>; 2],
         u: [f32x16<S>; 3],
     ) -> LightSamples<f32x16<S>> {
-        lights.sample_x16(active, from_all_sides, at, u)
+        lights.sample_x16(group, [active, from_all_sides], at, u)
     }
 }

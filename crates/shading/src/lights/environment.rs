@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Light from everywhere: a constant, or a latitude-longitude picture chosen by its brightness.
-//! Source: [PJH23] section 12.5 (importance sampling of pictures). Differs: within a cell of the picture the direction is
+//! Source: [PJH23] section 12.5 (importance sampling of pictures), [RH01] (irradiance by spherical harmonics). Differs: within a cell of the picture the direction is
 //! uniform by solid angle, which is exact at the poles too.
 //! Space: the picture's middle lies along -z and its upper edge at +y of the light's space.
 //! Tests: `tests::{constant_is_exact, picture_matches_quadrature, directions_and_texels_agree}`.
@@ -54,8 +54,14 @@ pub struct PictureEnvironment {
     texture: TextureSampler,
     radiance: Vec3,
     world_from_light: Mat3,
-    /// A function of the texture only.
-    grid: Arc<GridDistribution>,
+    /// Functions of the texture only.
+    choices: Arc<Choices>,
+}
+
+/// Brightness of a picture by direction, in its light's space.
+struct Choices {
+    grid: GridDistribution,
+    irradiance: Irradiance,
 }
 
 /// The grid of choices has no more cells than this along each axis.
@@ -76,15 +82,15 @@ impl PictureEnvironment {
             uv_from_mesh: TextureSampler::new(texture.texels.clone()).uv_from_mesh,
             ..texture
         };
-        let grid = Arc::new(brightness_grid(&texture, threads)?);
-        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, grid })
+        let choices = Arc::new(choices(&texture, threads)?);
+        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, choices })
     }
 
     /// The same picture with another radiance and rotation. `None` if all of it is black.
     #[must_use]
     pub fn again(&self, radiance: Vec3, world_from_light: Mat3) -> Option<Self> {
-        let (texture, grid) = (self.texture.clone(), self.grid.clone());
-        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, grid })
+        let (texture, choices) = (self.texture.clone(), self.choices.clone());
+        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, choices })
     }
 
     /// Whether it shows the texels that `texture` does.
@@ -102,7 +108,7 @@ impl PictureEnvironment {
     /// Whether the distribution that directions are chosen by is one for both.
     #[must_use]
     pub fn shares_distribution(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.grid, &other.grid)
+        Arc::ptr_eq(&self.choices, &other.choices)
     }
 
     /// Radiance from a unit direction.
@@ -115,20 +121,28 @@ impl PictureEnvironment {
     /// Density per solid angle with which [`sample`](Self::sample) chooses a unit direction.
     pub(super) fn pdf(&self, world_dir: Vec3) -> f32 {
         let [u, v] = uv_of(self.world_from_light.transpose() * world_dir);
-        let (columns, rows) = (self.grid.width(), self.grid.height());
+        let grid = &self.choices.grid;
+        let (columns, rows) = (grid.width(), grid.height());
         let cell = |x: f32, n: usize| ((x * n as f32).max(0.0) as usize).min(n - 1);
         let (column, row) = (cell(u, columns), cell(1.0 - v, rows));
-        self.grid.probability(column, row) / cell_solid_angle(row, columns, rows)
+        grid.probability(column, row) / cell_solid_angle(row, columns, rows)
+    }
+
+    /// About the brightness that a surface which faces the unit `normal` (zero = any) receives.
+    pub(super) fn irradiance(&self, normal: Vec3) -> f32 {
+        let brightness = luminance(self.radiance.into());
+        brightness * self.choices.irradiance.of(self.world_from_light.transpose() * normal)
     }
 
     /// A world direction and its density per solid angle.
     pub(super) fn sample(&self, random: [f32; 2]) -> (Vec3, f32) {
-        let point = self.grid.sample(random);
-        let (columns, rows) = (self.grid.width() as f32, self.grid.height() as f32);
+        let grid = &self.choices.grid;
+        let point = grid.sample(random);
+        let (columns, rows) = (grid.width() as f32, grid.height() as f32);
         let azimuth = TAU * ((point.column as f32 + point.within[0]) / columns - 0.5);
         let [upper, lower] = [0, 1].map(|k| (PI * (point.row + k) as f32 / rows).cos());
         let y = upper + point.within[1] * (lower - upper);
-        let solid_angle = cell_solid_angle(point.row, self.grid.width(), self.grid.height());
+        let solid_angle = cell_solid_angle(point.row, grid.width(), grid.height());
         let radius = (1.0 - y * y).max(0.0).sqrt();
         let dir = Vec3::new(radius * azimuth.sin(), y, -radius * azimuth.cos());
         ((self.world_from_light * dir).normalize(), point.probability / solid_angle)
@@ -166,9 +180,9 @@ fn uv_of(dir: Vec3) -> [f32; 2] {
     [0.5 + dir.x.atan2(-dir.z) / TAU, 1.0 - dir.y.clamp(-1.0, 1.0).acos() / PI]
 }
 
-/// Brightness times solid angle of each cell. Cells include a margin beyond their edges, because
+/// By brightness times solid angle of each cell. Cells include a margin beyond their edges, because
 /// interpolation spreads light there: every emitting point has a probability above 0.
-fn brightness_grid(texture: &TextureSampler, threads: Threads) -> Option<GridDistribution> {
+fn choices(texture: &TextureSampler, threads: Threads) -> Option<Choices> {
     let size = [texture.texels.width, texture.texels.height];
     let [columns, rows] = [0, 1].map(|k| size[k].clamp(1, MOST_CELLS[k]) as usize);
     // Enough samples per cell that no texel is missed.
@@ -195,7 +209,62 @@ fn brightness_grid(texture: &TextureSampler, threads: Threads) -> Option<GridDis
             (0..rows).map(of_row).collect()
         }
     });
-    GridDistribution::new(columns, &weights.concat())
+    // From sums of samples to integrals over cells.
+    let scale = f64::from(TAU) / (columns * (across + 1) * (down + 1)) as f64;
+    let grid = GridDistribution::new(columns, &weights.concat())?;
+    Some(Choices { grid, irradiance: Irradiance::new(&weights, scale) })
+}
+
+/// Irradiance by normal: nine spherical harmonics.
+struct Irradiance {
+    /// Coefficients of 1; x, y, z; xy, yz, zx, x² - y², 3 z² - 1.
+    terms: [f32; 9],
+    /// The integral over all directions.
+    total: f32,
+}
+
+/// Least irradiance, by the integral over all directions: nine terms ring around a small sun, and may be negative.
+const LEAST_IRRADIANCE: f32 = 0.02;
+
+impl Irradiance {
+    /// From the integral over each cell of a picture, rows of columns, each times `scale`.
+    fn new(cells: &[Vec<f64>], scale: f64) -> Self {
+        let (pi, rows) = (f64::from(PI), cells.len() as f64);
+        let mut terms = [0.0; 9];
+        for (row, cells) in cells.iter().enumerate() {
+            let (sin, y) = (pi * (row as f64 + 0.5) / rows).sin_cos();
+            for (column, &cell) in cells.iter().enumerate() {
+                let (x, z) = (2.0 * pi * ((column as f64 + 0.5) / cells.len() as f64 - 0.5)).sin_cos();
+                let basis = harmonics(sin * x, y, -sin * z);
+                terms.iter_mut().zip(basis).for_each(|(term, value)| *term += scale * cell * value);
+            }
+        }
+        let total = terms[0] as f32;
+        // Squares of the harmonics' norms times the factors of a clamped cosine, by degree: pi, 2 pi / 3, pi / 4.
+        let [first, second, third] = [1.0 / 4.0, 1.0 / 2.0, 15.0 / 16.0];
+        let factors = [first, second, second, second, third, third, third, third / 4.0, third / 12.0];
+        let terms = std::array::from_fn(|k| (terms[k] * factors[k]) as f32);
+        Self { terms, total }
+    }
+
+    /// For a unit normal; for zero the integral over all directions.
+    fn of(&self, n: Vec3) -> f32 {
+        if n == Vec3::ZERO {
+            return self.total;
+        }
+        let basis = harmonics(n.x, n.y, n.z);
+        let sum: f32 = self.terms.iter().zip(basis).map(|(term, value)| term * value).sum();
+        sum.max(LEAST_IRRADIANCE * self.total)
+    }
+}
+
+/// The harmonics of a unit direction without their norms.
+fn harmonics<F>(x: F, y: F, z: F) -> [F; 9]
+where
+    F: Copy + From<f32> + std::ops::Mul<Output = F> + std::ops::Sub<Output = F>,
+{
+    let (one, three) = (F::from(1.0), F::from(3.0));
+    [one, x, y, z, x * y, y * z, z * x, x * x - y * y, three * z * z - one]
 }
 
 #[cfg(test)]
@@ -206,6 +275,7 @@ mod tests {
 
     use super::*;
     use crate::batch::SampleKey;
+    use crate::lights::EnvironmentLight;
     use crate::sampling::sample_pair;
 
     fn picture() -> PictureEnvironment {
@@ -265,12 +335,28 @@ mod tests {
         assert!((found / expected - 1.0).abs().max_element() < 0.01, "{found} instead of {expected}");
     }
 
+    /// Estimates of irradiance beside sums over samples: the least of nine harmonics is a few percent of the most.
+    #[test]
+    fn irradiance_is_near_its_sum() {
+        let light = picture();
+        let normals = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z, Vec3::new(0.36, 0.8, 0.48)];
+        let sums = normals.map(|normal| luminance(irradiance(&light, normal).into()));
+        let most = sums.into_iter().fold(0.0, f32::max);
+        for (normal, sum) in normals.into_iter().zip(sums) {
+            let found = light.irradiance(normal);
+            assert!((found - sum).abs() < 0.1 * most, "facing {normal}: {found} instead of {sum}");
+        }
+        let total = EnvironmentLight::Picture(Arc::new(picture())).total();
+        let found = light.irradiance(Vec3::ZERO);
+        assert!((found / total - 1.0).abs() < 0.05, "from all sides: {found} instead of {total}");
+    }
+
     #[test]
     fn directions_and_texels_agree() {
         let light = picture();
         for sample in 0..1000 {
             let random = sample_pair(0, SampleKey { pixel: 1, sample, branch: 0 }, 0, 0);
-            let point = light.grid.sample(random);
+            let point = light.choices.grid.sample(random);
             let local = light.world_from_light.transpose() * light.sample(random).0;
             let [u, v] = uv_of(local);
             let cell = [u * 16.0, (1.0 - v) * 8.0];

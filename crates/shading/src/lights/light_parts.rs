@@ -118,6 +118,16 @@ impl EnvironmentLight {
         }
     }
 
+    /// About the brightness that a surface which faces `normal` (zero = any) receives; 0 only where all of it is black.
+    pub(super) fn irradiance(&self, normal: Vec3) -> f32 {
+        match self {
+            Self::Constant(constant) => {
+                luminance(constant.radiance.into()) * if normal == Vec3::ZERO { 4.0 * PI } else { PI }
+            }
+            Self::Picture(picture) => picture.irradiance(normal),
+        }
+    }
+
     /// A direction for a surface that faces `normal` (zero = any), and its density.
     pub(super) fn sample(&self, normal: Vec3, u: [f32; 2]) -> (Vec3, f32) {
         match self {

@@ -18,15 +18,13 @@ use gnurt_image::srgb::luminance;
 use super::light_lanes::LightLanes;
 use super::light_parts::{LightId, LightKind, LightParts, LightSample, is_sound};
 use super::light_tree::{LightBounds, LightTree};
-use crate::sampling::{self, Distribution};
+use crate::sampling::{self, Choice, Distribution};
 
 /// All lights.
 pub struct LightSet {
     pub(super) parts: LightParts,
     /// The choice of lights that have a position: shared by all sets with the same ones.
     pub(super) near: Arc<NearLights>,
-    /// Tree, directional lights, environment: how often each is sampled.
-    pub(super) choice: Option<Distribution>,
     /// Centre and radius of a ball around all that can be lit.
     pub(super) ball: (Vec3, f32),
     /// Shares of lights among light paths, by light; computed at the start of the first path.
@@ -38,15 +36,13 @@ pub(super) struct NearLights {
     pub(super) tree: LightTree,
     /// The tree for many points at once, where all its lights are triangles.
     pub(super) lanes: Option<LightLanes>,
-    /// Watts of all of them, by brightness.
-    power: f64,
 }
 
 impl NearLights {
     fn new(parts: &LightParts, threads: Threads) -> Self {
         let tree = LightTree::new(&tree_lights(parts), threads);
         let lanes = LightLanes::new(parts, &tree);
-        Self { tree, lanes, power: near_powers(parts).sum() }
+        Self { tree, lanes }
     }
 }
 
@@ -73,14 +69,7 @@ impl LightSet {
 
     fn with_near(parts: LightParts, near: Arc<NearLights>) -> Self {
         let ball = ball(parts.bounds);
-        let of_tree = if near.tree.is_empty() { 0.0 } else { near.power };
-        let groups: Vec<f64> = std::iter::once(of_tree).chain(far_powers(&parts, ball.1)).collect();
-        // Half by power, half uniform: a light of little power may be the only one at a point.
-        let shining = groups.iter().filter(|&&power| power > 0.0).count() as f64;
-        let total: f64 = groups.iter().sum();
-        let share = |&power: &f64| if power > 0.0 { power / total + 1.0 / shining } else { 0.0 };
-        let choice = Distribution::new(groups.iter().map(share));
-        Self { near, choice, ball, power: OnceLock::new(), parts }
+        Self { near, ball, power: OnceLock::new(), parts }
     }
 
     /// Shares of lights among light paths, by light.
@@ -142,7 +131,16 @@ impl LightSet {
     /// horizon.
     #[must_use]
     pub fn sample(&self, p: Vec3, ns: Vec3, u: [f32; 3]) -> Option<LightSample> {
-        let group = self.choice.as_ref()?.sample(u[0]);
+        self.sample_among(None, p, ns, u)
+    }
+
+    /// The same among the lights of one group, if it is named: one of [`split_groups`](Self::split_groups).
+    #[must_use]
+    pub fn sample_among(&self, group: Option<usize>, p: Vec3, ns: Vec3, u: [f32; 3]) -> Option<LightSample> {
+        let group = match group {
+            Some(index) => Choice { index, probability: 1.0, rest: u[0] },
+            None => self.choose_group(p, ns, u[0])?,
+        };
         let sample = if group.index == 0 {
             let contribution = |light| self.contribution(light, p, ns);
             let (light, probability) = self.near.tree.choose(p, ns, group.rest, contribution)?;
@@ -227,14 +225,20 @@ impl LightSet {
     /// `dist` away; 0 on its dark side.
     #[must_use]
     pub fn pdf_triangle(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
-        let (Some(choice), Some(triangles)) = (&self.choice, &self.parts.triangles) else { return 0.0 };
+        self.group_share(0, p, ns) * self.pdf_triangle_in_group(p, ns, triangle, dir, dist)
+    }
+
+    /// The same where its group was named.
+    #[must_use]
+    pub fn pdf_triangle_in_group(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
+        let Some(triangles) = &self.parts.triangles else { return 0.0 };
         let shape = &triangles.shapes[triangle as usize];
         let here = solid_angle_density(shape.normal, shape.area, dir, dist);
         if here <= 0.0 {
             return 0.0;
         }
         let contribution = |light| self.contribution(light, p, ns);
-        choice.probability(0) * self.near.tree.probability(triangle, p, ns, contribution) * here
+        self.near.tree.probability(triangle, p, ns, contribution) * here
     }
 
     /// Radiance of emissive triangle `triangle` against a ray along `dir` that hit it at these weights of the
@@ -247,9 +251,15 @@ impl LightSet {
 
     /// Density with which [`sample`](Self::sample) finds the environment along the unit direction `dir`.
     #[must_use]
-    pub fn pdf_environment(&self, _p: Vec3, ns: Vec3, dir: Vec3) -> f32 {
-        let (Some(choice), Some(environment)) = (&self.choice, &self.parts.environment) else { return 0.0 };
-        choice.probability(1 + self.parts.directionals.len()) * environment.pdf(ns, dir)
+    pub fn pdf_environment(&self, p: Vec3, ns: Vec3, dir: Vec3) -> f32 {
+        let share = || self.group_share(self.group_count() - 1, p, ns);
+        self.parts.environment.as_ref().map_or(0.0, |environment| share() * environment.pdf(ns, dir))
+    }
+
+    /// The same where its group was named.
+    #[must_use]
+    pub fn pdf_environment_in_group(&self, ns: Vec3, dir: Vec3) -> f32 {
+        self.parts.environment.as_ref().map_or(0.0, |environment| environment.pdf(ns, dir))
     }
 
     /// Whether light comes from everywhere.

@@ -12,20 +12,20 @@ use super::light_set::LightSet;
 use crate::lanes::{Floats, LanesOf, Mask, Vec3x16};
 
 impl LightSet {
-    /// [`sample`](Self::sample) for the lanes in `active`; those in `from_all_sides` request all sides, for
+    /// [`sample_among`](Self::sample_among) for the lanes in `active`; those in `from_all_sides` request all sides, for
     /// any normals.
     #[inline(always)]
     #[must_use]
     pub fn sample_x16<S: Simd>(
         &self,
-        active: Mask<S>,
-        from_all_sides: Mask<S>,
+        group: Option<usize>,
+        [active, from_all_sides]: [Mask<S>; 2],
         [p, ns]: [Vec3x16<S>; 2],
         u: [Floats<S>; 3],
     ) -> LightSampleX16<S> {
-        let mut out = self.sample_facing(active & !from_all_sides, p, ns, u);
+        let mut out = self.sample_facing(group, active & !from_all_sides, [p, ns], u);
         for i in LanesOf((active & from_all_sides).to_bitmask()) {
-            out.put(i, self.sample(p.get(i), Vec3::ZERO, [u[0][i], u[1][i], u[2][i]]));
+            out.put(i, self.sample_among(group, p.get(i), Vec3::ZERO, [u[0][i], u[1][i], u[2][i]]));
         }
         out
     }
@@ -34,22 +34,22 @@ impl LightSet {
     #[inline(always)]
     fn sample_facing<S: Simd>(
         &self,
+        group: Option<usize>,
         active: Mask<S>,
-        p: Vec3x16<S>,
-        ns: Vec3x16<S>,
+        [p, ns]: [Vec3x16<S>; 2],
         u: [Floats<S>; 3],
     ) -> LightSampleX16<S> {
         let simd = u[0].token();
-        match (&self.near.lanes, &self.choice) {
+        match &self.near.lanes {
             // One group: its choice takes nothing of the number.
-            (Some(lanes), Some(choice)) if choice.len() == 1 => {
+            Some(lanes) if self.group_count() == 1 || group == Some(0) => {
                 lanes.sample(&self.parts, active, [p, ns], u, f32x16::splat(simd, 1.0))
             }
-            (Some(lanes), Some(choice)) => {
+            Some(lanes) if group.is_none() => {
                 let (mut rest, mut lane_probability, mut near, mut far) =
                     (u[0], u[0], 0, LightSampleX16::none(f32x16::splat(simd, 0.0)));
                 for i in LanesOf(active.to_bitmask()) {
-                    let group = choice.sample(u[0][i]);
+                    let Some(group) = self.choose_group(p.get(i), ns.get(i), u[0][i]) else { continue };
                     if group.index == 0 {
                         near |= 1 << i;
                         (rest[i], lane_probability[i]) = (group.rest, group.probability);
@@ -65,7 +65,7 @@ impl LightSet {
             _ => {
                 let mut out = LightSampleX16::none(f32x16::splat(simd, 0.0));
                 for i in LanesOf(active.to_bitmask()) {
-                    out.put(i, self.sample(p.get(i), ns.get(i), [u[0][i], u[1][i], u[2][i]]));
+                    out.put(i, self.sample_among(group, p.get(i), ns.get(i), [u[0][i], u[1][i], u[2][i]]));
                 }
                 out
             }

@@ -202,6 +202,59 @@ fn densities_are_those_of_samples() {
     }
 }
 
+/// The choice between groups has the shares that are looked up, which follow contributions.
+#[test]
+fn groups_are_chosen_by_contribution() {
+    let lights = everything();
+    for (p, n) in [(Vec3::ZERO, Vec3::Z), (Vec3::new(1.0, 0.0, 0.5), Vec3::ZERO), (Vec3::Y, -Vec3::Z)] {
+        const N: u32 = 4096;
+        let mut counts = [0.0; 3];
+        for u in (0..N).map(|i| (i as f32 + 0.5) / N as f32) {
+            let group = lights.choose_group(p, n, u).expect("the sky is everywhere");
+            assert_eq!(group.probability, lights.group_share(group.index, p, n), "one probability");
+            assert!((0.0..1.0).contains(&group.rest), "the rest is a number in [0, 1): {}", group.rest);
+            counts[group.index] += 1.0 / N as f32;
+        }
+        for (index, count) in counts.into_iter().enumerate() {
+            let share = lights.group_share(index, p, n);
+            assert!((count - share).abs() < 1e-3, "group {index}: {count} of choices, share {share}");
+        }
+    }
+    // A sun of irradiance 3 and a sky of irradiance pi, without and with the sun below the horizon.
+    let lights = set(LightParts {
+        directionals: DirectionalLight::new(-Vec3::Z, Vec3::splat(3.0)).into_iter().collect(),
+        environment: Some(EnvironmentLight::Constant(Arc::new(ConstantEnvironment { radiance: Vec3::ONE }))),
+        ..LightParts::default()
+    });
+    assert_eq!(lights.split_groups(), 1..3, "no light has a position");
+    let sky = |n| lights.group_share(2, Vec3::ZERO, n);
+    assert!(
+        (sky(Vec3::Z) - (0.75 * PI / (PI + 3.0) + 0.125)).abs() < 1e-6,
+        "by contribution: {}",
+        sky(Vec3::Z)
+    );
+    assert!(sky(-Vec3::Z) > 0.8, "the sun hardly counts below the horizon: {}", sky(-Vec3::Z));
+}
+
+/// Groups that are sampled one by one bring what one sample of all brings.
+#[test]
+fn groups_add_up() {
+    let lights = everything();
+    let (p, up) = (Vec3::new(0.3, 0.2, 0.0), Vec3::new(0.0, 0.6, 0.8));
+    let all = irradiance(&lights, p, up, 1 << 16).x;
+    let of_group = |group| {
+        const N: u32 = 1 << 14;
+        let brought = |i| {
+            let lit = lights.sample_among(Some(group), p, up, numbers(i));
+            lit.map_or(0.0, |s| s.radiance.x * s.dir.dot(up).max(0.0) / s.pdf) / N as f32
+        };
+        (0..N).map(brought).sum::<f32>()
+    };
+    assert_eq!(lights.split_groups(), 0..3, "all groups shine");
+    let sum: f32 = lights.split_groups().map(of_group).sum();
+    assert!((sum / all - 1.0).abs() < 0.01, "{sum} one by one, {all} together");
+}
+
 /// Chi-square: directions to a square of two triangles over a grid on the square, expected counts by quadrature.
 #[test]
 fn directions_follow_their_density() {
@@ -340,7 +393,7 @@ fn in_lanes<S: Simd>(
     simd: S,
     lights: &LightSet,
     requests: &Requests,
-    active: u64,
+    (group, active): (Option<usize>, u64),
 ) -> [Option<LightSample>; LANES] {
     let lanes = |f: &dyn Fn(usize) -> f32| f32x16::from_fn(simd, f);
     let vectors = |f: &dyn Fn(usize) -> Vec3| {
@@ -349,7 +402,8 @@ fn in_lanes<S: Simd>(
     };
     let (p, ns) = (vectors(&|i| requests[i].0), vectors(&|i| requests[i].1));
     let u = [0, 1, 2].map(|k| lanes(&|i| requests[i].2[k]));
-    let found = lights.sample_x16(Mask::from_bitmask(simd, active), Mask::from_bitmask(simd, 0), [p, ns], u);
+    let masks = [active, 0].map(|bits| Mask::from_bitmask(simd, bits));
+    let found = lights.sample_x16(group, masks, [p, ns], u);
     std::array::from_fn(|i| {
         let bit = |mask: Mask<S>| mask.to_bitmask() >> i & 1 == 1;
         bit(found.found).then(|| LightSample {
@@ -397,9 +451,14 @@ fn lanes_choose_as_points_do() {
                 let [u, v, w] = numbers(16 * round + i as u32);
                 (if i == 3 { emissive_triangle(0)[0] } else { p }, n, [u, v, w])
             });
-            let found = dispatch_wide!(Level::default(), simd => in_lanes(simd, lights, &requests, active), else return);
+            // Every other round among the lights of one group.
+            let split = lights.split_groups();
+            let group = (round % 2 == 1)
+                .then(|| split.clone().nth(round as usize / 2 % split.len().max(1)))
+                .flatten();
+            let found = dispatch_wide!(Level::default(), simd => in_lanes(simd, lights, &requests, (group, active)), else return);
             for (i, (&(p, n, u), found)) in requests.iter().zip(found).enumerate() {
-                let exact = lights.sample(p, n, u).filter(|_| active >> i & 1 == 1);
+                let exact = lights.sample_among(group, p, n, u).filter(|_| active >> i & 1 == 1);
                 let exact = exact.map(|sample| LightSample { light: LightId(0), ..sample });
                 assert_eq!(found, exact, "set {which}, from {p} facing {n} with {u:?}");
                 if exact.is_some() { lit += 1 } else { dark += 1 }

@@ -176,6 +176,34 @@ impl LightTree {
         contributions
     }
 
+    /// About what all lights bring to a point; 0 only where none reaches it.
+    pub(super) fn contribution(&self, p: Vec3, normal: Vec3, exact: impl Fn(u32) -> f32) -> f32 {
+        let Some(root) = self.nodes.first() else { return 0.0 };
+        if root.lights > 0 {
+            return self.leaf(root, &exact).iter().sum();
+        }
+        let ([first, second], _) = self.children(0, p, normal, &exact);
+        first + second
+    }
+
+    /// What the children of an inner node bring, and the contributions of their lights if both are leaves.
+    fn children(
+        &self,
+        at: usize,
+        p: Vec3,
+        normal: Vec3,
+        exact: &impl Fn(u32) -> f32,
+    ) -> ([f32; 2], Option<[Contributions; 2]>) {
+        let children = [at + 1, self.nodes[at].index as usize].map(|child| &self.nodes[child]);
+        let leaves = children.iter().all(|child| child.lights > 0);
+        let leaves = leaves.then(|| children.map(|child| self.leaf(child, exact)));
+        let brought = match &leaves {
+            Some(leaves) => leaves.each_ref().map(|contributions| contributions.iter().sum::<f32>()),
+            None => children.map(|child| child.bounds.importance(p, normal)),
+        };
+        (brought, leaves)
+    }
+
     /// The probability of the first child of an inner node, and the contributions of the lights of children
     /// that are leaves; `None` if neither child contributes.
     fn first_share(
@@ -185,13 +213,7 @@ impl LightTree {
         normal: Vec3,
         exact: &impl Fn(u32) -> f32,
     ) -> Option<(f32, Option<[Contributions; 2]>)> {
-        let children = [at + 1, self.nodes[at].index as usize].map(|child| &self.nodes[child]);
-        let leaves = children.iter().all(|child| child.lights > 0);
-        let leaves = leaves.then(|| children.map(|child| self.leaf(child, exact)));
-        let [first, second] = match &leaves {
-            Some(leaves) => leaves.each_ref().map(|contributions| contributions.iter().sum::<f32>()),
-            None => children.map(|child| child.bounds.importance(p, normal)),
-        };
+        let ([first, second], leaves) = self.children(at, p, normal, exact);
         let sum = first + second;
         (sum > 0.0).then(|| (first / sum, leaves))
     }

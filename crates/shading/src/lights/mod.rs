@@ -5,6 +5,7 @@
 mod area;
 mod environment;
 mod light_emission;
+mod light_groups;
 mod light_lanes;
 mod light_parts;
 mod light_set;

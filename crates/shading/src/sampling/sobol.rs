@@ -27,6 +27,9 @@ pub mod purpose {
     pub const TIME: u32 = 7;
     /// Flight through a medium.
     pub const FLIGHT: u32 = 8;
+    /// Choice of a light of the first group, and the position on it, where groups are sampled one by one; group i has
+    /// `LIGHT_GROUP + i`.
+    pub const LIGHT_GROUP: u32 = 0x10;
     /// First of those for shaders outside of this crate.
     pub const SHADER: u32 = 0x100;
     /// Point on light 0; light i has `LIGHT + i`.
