@@ -18,7 +18,8 @@ from .warned import Warned
 # From the middle of our latitude-longitude pictures, which is y, to that of Blender's, which is x; degrees.
 TURN = -90.0
 NOTHING = "surface blender_volume () { Ci = transparent(); }"
-GREY = 'surface blender_default () { Ci = 0.8 * diffuse(N); }'
+# Where there is no material Cycles shows an untouched Principled BSDF: gloss of an index of 1.5 and a roughness of 0.5 on grey.
+GREY = 'surface blender_default () { Ci = layer(0.975 * microfacet("ggx", N, vector(0), 0.25, 0.25, 1.5, 0), 0.8 * diffuse(N)); }'
 
 
 class Surroundings:

@@ -42,6 +42,11 @@ def black_plastic():
 
 
 @scene
+def no_material():
+    balls(None, material("m1"), None)
+
+
+@scene
 def metal():
     balls(*(material(f"m{i}", Base_Color=(0.9, 0.6, 0.2), Metallic=1, Roughness=r) for i, r in enumerate([0.1, 0.4, 0.9])))
 

@@ -45,11 +45,26 @@ impl<R: Real> PreparedLobe<R> {
             #[inline(always)]
             || {
                 let (glass, _) = self.glass(thin);
-                // Approximate: microfacets reflect as the plane does, blurred.
-                let blurred = self.cos + (self.cos.all(0.7) - self.cos) * (self.alpha * 0.5);
-                (glass.prepared(self.wo, self.cos), glass.mirrored(blurred))
+                (glass.prepared(self.wo, self.cos), self.mirrored_by_microfacets(self.cos, thin))
             },
         )
+    }
+
+    /// Share of light that rough glass mirrors at the cosine `cos`, by colour, further bounces included. About the share where
+    /// microfacets are not even, are a pane's or have a film.
+    #[inline(always)]
+    pub(super) fn mirrored_by_microfacets(&self, cos: R, thin: bool) -> Vector<R> {
+        // As the plane reflects, blurred.
+        let blurred = cos + (cos.all(0.7) - cos) * (self.alpha * 0.5);
+        if thin {
+            return self.glass(true).0.mirrored(blurred);
+        }
+        let [once, lost] = rough_dielectric::mirrored_and_lost(self.slopes().ggx.alpha(), self.eta, cos);
+        let bare = Vector::grey(once + lost * self.c.z.rest());
+        if self.rare & rare::FILM == 0 {
+            return bare;
+        }
+        rough_dielectric::filmed(self.rarities.film, blurred, self.eta, !cos.is(cos), bare)
     }
 
     /// Share of light that smooth glass mirrors, by colour.

@@ -256,16 +256,19 @@ impl<R: Real> PreparedLobe<R> {
         back * self.cover
     }
 
-    /// The same for glass of all kinds, and for lobes evaluated per point: the approximate reflectance, and
-    /// the points with such lobes.
+    /// The same for glass of all kinds, and for lobes evaluated per point; and the points with such lobes.
     #[inline(always)]
     fn sent_back_by_glass(&self, cos: R) -> (R::Mask, Vector<R>) {
         let smooth = self.is(Kind::SmoothGlass) | self.is(Kind::SmoothPane);
-        let pane = self.is(Kind::Pane) | self.is(Kind::SmoothPane);
-        // Microfacets reflect as the plane does, blurred.
-        let blurred = R::pick(smooth, cos, cos + (cos.all(0.7) - cos) * (self.alpha * 0.5));
-        let glass = smooth | pane | self.is(Kind::Glass);
-        let mut back = self.a * self.mirrored_at(blurred, pane);
+        let mut share = self.mirrored_at(cos, self.is(Kind::SmoothPane));
+        let mut glass = smooth;
+        for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
+            if self.has(kind) {
+                glass = glass | self.is(kind);
+                share = Vector::pick(self.is(kind), self.mirrored_by_microfacets(cos, thin), share);
+            }
+        }
+        let mut back = self.a * share;
         let is = self.is_scalar();
         if self.kinds & scalar_lobes::KINDS != 0 {
             back = back.each_colour(

@@ -10,7 +10,7 @@
 use std::f32::consts::FRAC_1_PI;
 use std::sync::OnceLock;
 
-use glam::{FloatExt, Vec3};
+use glam::{FloatExt, Vec2, Vec3};
 
 use super::anisotropy::{self, Slopes};
 use super::dielectric::{pane, refract};
@@ -337,9 +337,10 @@ const COSINES: usize = 48;
 const ROUGHNESSES: usize = 32;
 const INDICES: usize = 65;
 
-/// Albedos after one bounce by cosine, and their average over a cosine-weighted hemisphere.
+/// Albedos after one bounce by cosine, the mirrored parts of them, and their average over a cosine-weighted hemisphere.
 struct Row {
     albedo: [f32; COSINES],
+    mirrored: [f32; COSINES],
     average: f32,
 }
 
@@ -369,9 +370,26 @@ impl Albedos {
         self.mix(|row| row.albedo[column].lerp(row.albedo[column + 1], t))
     }
 
+    fn mirrored(&self, cos: f32) -> f32 {
+        let (column, t) = cell(cos, COSINES);
+        self.mix(|row| row.mirrored[column].lerp(row.mirrored[column + 1], t))
+    }
+
     fn average(&self) -> f32 {
         self.mix(|row| row.average)
     }
+}
+
+/// Share of light at the cosine `cos` > 0 that even microfacets of glass mirror in one bounce, and that they lose.
+#[inline(always)]
+pub(super) fn mirrored_and_lost<R: Real>(alpha: R, eta: R, cos: R) -> [R; 2] {
+    cos.each_of(
+        #[inline(always)]
+        |i| {
+            let (albedos, cos) = (Albedos::of(alpha.lane(i), eta.lane(i)), cos.lane(i));
+            [albedos.mirrored(cos), 1.0 - albedos.albedo(cos)]
+        },
+    )
 }
 
 /// A row of the table, computed at first use: a scene has few kinds of glass.
@@ -384,24 +402,24 @@ fn row(index: usize, roughness: usize) -> &'static Row {
         let ggx = Ggx::new(roughness as f32 / (ROUGHNESSES - 1) as f32);
         let entry =
             |c: usize| one_bounce(ggx, (1.0 + s) / (1.0 - s), (c as f32 / (COSINES - 1) as f32).max(1e-4));
-        let albedo = std::array::from_fn(entry);
-        Box::new(Row { albedo, average: average(&albedo) })
+        let both: [Vec2; COSINES] = std::array::from_fn(entry);
+        let albedo = both.map(|both| both.element_sum().min(1.0));
+        Box::new(Row { albedo, mirrored: both.map(|both| both.x), average: average(&albedo) })
     })
 }
 
 /// Light from cosine `cos` after one bounce, mirrored and through.
-fn one_bounce(ggx: Ggx<f32>, eta: f32, cos: f32) -> f32 {
+fn one_bounce(ggx: Ggx<f32>, eta: f32, cos: f32) -> Vec2 {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let mean = ggx.mean_visible(wo, |h| {
+    ggx.mean_visible(wo, |h| {
         let share = fresnel::dielectric(wo.dot(h), eta);
         let weight = |cos_i: f32| ggx.sample_weight(cos, cos_i);
         let mirrored = (-wo).reflect(h);
         let mirrored = if mirrored.z > 0.0 { share * weight(mirrored.z) } else { 0.0 };
         let (through, some) = refract(wo.into(), h.into(), eta);
         let through = if some && through.z < 0.0 { (1.0 - share) * weight(-through.z) } else { 0.0 };
-        mirrored + through
-    });
-    mean.min(1.0)
+        Vec2::new(mirrored, through)
+    })
 }
 
 #[cfg(test)]

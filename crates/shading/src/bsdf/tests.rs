@@ -405,6 +405,27 @@ fn what_is_mirrored_above_does_not_reach_below() {
     }
 }
 
+/// A white body below microfacets that mirror by Fresnel's equations returns what they leave, to each view.
+#[test]
+fn white_bodies_keep_all_light_below_glass() {
+    for (alpha, eta, share) in [
+        (0.1, 1.0 / 1.5, 1.0),
+        (0.25, 1.0 / 1.5, 0.7),
+        (1.0, 1.0 / 1.5, 0.6),
+        (0.5, 0.5, 1.0),
+        (1.0, 1.4, 1.0),
+    ] {
+        let top = Lobes::from(Lobe::rough_glass(alpha, eta, Vec3::ONE, Vec3::ZERO, false));
+        let bsdf = around_z(top.times(Vec3::splat(share)).over(Lobe::lambert(Vec3::ONE)));
+        for wo in views() {
+            let prepared = bsdf.prepared(wo);
+            let mut back = 0.0;
+            fine([12, 12], |wi, area| back += f64::from(prepared.eval_pdf(wi.into()).0.x) * area);
+            assert!((back - 1.0).abs() < 0.01, "{share} of {alpha}, {eta} from {wo}: {back} of 1 comes back");
+        }
+    }
+}
+
 /// Transmission on top takes light from below, too: no light is created.
 #[test]
 fn what_goes_through_above_does_not_reach_below() {
