@@ -56,7 +56,9 @@ impl Picture {
     /// As a file of this format shows it: on a screen the background is part of the picture.
     fn encoded(&self, format: &'static PictureFormat, options: &WriteOptions) -> PyResult<Vec<u8>> {
         if format == PictureFormat::EXR {
-            return image::encode(&self.picture, format, options).map_err(|error| image_error(&error));
+            let pool = gnurt::thread_pool(0).map_err(|error| surroundings_error(&error))?;
+            let bytes = image::encode_with(&self.picture, format, options, &gnurt::workers(Some(&pool)));
+            return bytes.map_err(|error| image_error(&error));
         }
         let mut seen = self.picture.clone();
         seen.make_opaque(self.crop);

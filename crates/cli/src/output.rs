@@ -14,6 +14,7 @@ use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
 use crate::nearest::unknown;
 use crate::signals::{is_leaving, while_writing};
+use crate::workers::with_workers;
 
 /// A picture file to come.
 #[derive(Clone, Debug)]
@@ -122,7 +123,7 @@ impl Output {
                 "--compression pxr24 rounds the ids of Cryptomatte; give another compression",
             ));
         }
-        let bytes = image::encode(picture, self.format, options)
+        let bytes = with_workers(|workers| image::encode_with(picture, self.format, options, workers))?
             .map_err(|error| Failure::data(format_args!("{}: {error}", self.path.display())))?;
         let replaced = while_writing(|| image::replace_file_if(&self.path, &bytes, || !is_leaving()));
         replaced.map(drop).map_err(Failure::data)

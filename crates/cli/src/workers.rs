@@ -1,9 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Threads and instruction set of a command. Tests: `tests/program/arguments.rs`.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use gnurt::image::Workers;
+
 use crate::arguments::MachineArguments;
 use crate::environment::Environment;
 use crate::failure::Failure;
+
+/// The number that the command was given.
+static THREADS: AtomicUsize = AtomicUsize::new(1);
+
+/// Calls a function with workers: as many threads as [`machine`] found, else the calling one.
+pub(crate) fn with_workers<T>(f: impl FnOnce(Workers) -> T) -> Result<T, Failure> {
+    let threads = THREADS.load(Ordering::Relaxed);
+    let pool = if threads == 1 { None } else { Some(gnurt::thread_pool(threads).map_err(Failure::data)?) };
+    Ok(f(&gnurt::workers(pool.as_ref())))
+}
 
 /// Options take precedence over the environment, which takes precedence over the machine's properties.
 pub(crate) fn machine(
@@ -11,6 +25,7 @@ pub(crate) fn machine(
     environment: &Environment,
 ) -> Result<(gnurt::ThreadPool, gnurt::simd::Level), Failure> {
     let threads = arguments.threads.or(environment.threads).unwrap_or(0);
+    THREADS.store(threads, Ordering::Relaxed);
     let pool = gnurt::thread_pool(threads).map_err(Failure::data)?;
     Ok((pool, arguments.isa.or(environment.isa).unwrap_or_default()))
 }

@@ -116,5 +116,5 @@ pub use named_shaders::{named_camera_shader, put_named_shaders};
 pub use numbered::Numbered;
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;
-pub use threads::{JoinedPool, cores, thread_pool};
+pub use threads::{JoinedPool, cores, thread_pool, workers};
 pub use volumes::{Fog, VolumeCells, VolumeFile, read_volume};

@@ -6,6 +6,8 @@ use std::num::NonZero;
 use std::ops::Deref;
 use std::thread::JoinHandle;
 
+use rayon::prelude::*;
+
 use crate::Error;
 
 /// Bytes of stack per thread. Shaders recurse, about 2.5 KiB per bounce, and shaders of others may take more; memory
@@ -19,6 +21,14 @@ const STACK: usize = 16 << 20;
 pub fn thread_pool(threads: usize) -> Result<rayon::ThreadPool, Error> {
     let threads = number(threads);
     builder(threads).build().map_err(|error| refused(threads, &error))
+}
+
+/// The threads of a pool as the [workers](crate::image::Workers) of a picture's file; without one, the calling thread.
+pub fn workers(pool: Option<&rayon::ThreadPool>) -> impl Fn(usize, &(dyn Fn(usize) + Sync)) {
+    move |count, job| match pool {
+        Some(pool) => pool.install(|| (0..count).into_par_iter().for_each(job)),
+        None => (0..count).for_each(job),
+    }
 }
 
 /// A pool whose threads have ended when it is dropped: for libraries that a program may unload. The threads of others end a

@@ -28,10 +28,10 @@ pub use compare::{Comparison, compare};
 pub use error::{Error, system_reason};
 pub use exposure::exposure_for;
 pub use file::{
-    ExrCompression, ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, WriteOptions, check_writable, decode,
-    decode_data_texture, decode_data_texture_within, decode_texture, decode_texture_within, encode,
-    encode_screen, encode_texels, expecting_panics, expects_panics, open_regular, read, read_data_texture,
-    read_stored, read_texture, replace_file, replace_file_if, write,
+    ExrCompression, ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, Workers, WriteOptions, check_writable,
+    decode, decode_data_texture, decode_data_texture_within, decode_texture, decode_texture_within, encode,
+    encode_screen, encode_texels, encode_with, expecting_panics, expects_panics, open_regular, read,
+    read_data_texture, read_stored, read_texture, replace_file, replace_file_if, write,
 };
 pub use filter::{Filter, FilterShape};
 pub use flip::flip;

@@ -6,9 +6,9 @@ mod common;
 
 use common::{colors_only, file, files, picture, tiff};
 use gnurt_image::{
-    BACKGROUND, ExrPixels, Layer, Opacity, Picture, PictureFormat, StoredValues, TexelData, ToneCurve,
-    WriteOptions, compare, decode, decode_data_texture, decode_texture, encode, read, read_stored,
-    read_texture, screen_bytes, srgb, write,
+    BACKGROUND, ExrCompression, ExrPixels, Layer, Opacity, Picture, PictureFormat, StoredValues, TexelData,
+    ToneCurve, Workers, WriteOptions, compare, decode, decode_data_texture, decode_texture, encode,
+    encode_with, read, read_stored, read_texture, screen_bytes, srgb, write,
 };
 
 /// Odd values that a float format must keep, bit by bit.
@@ -57,6 +57,31 @@ fn exr_is_exact() {
     assert_same_bits(&back, &picture, 4, "EXR");
     assert_eq!(back.layers, picture.layers, "layers, their names, types and values");
     assert_eq!(back.metadata, picture.metadata, "metadata");
+}
+
+/// Noise of 200 lines, which are several blocks; workers that begin at the end, and some at once.
+#[test]
+fn workers_do_not_show_in_exr() {
+    let noise = |i: u32| (i.wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 24) as f32;
+    let mut picture = Picture::new(40, 200);
+    for (i, pixel) in (0..).zip(&mut picture.color) {
+        *pixel = [noise(4 * i), noise(4 * i + 1), noise(4 * i + 2), 1.0];
+    }
+    let backwards: Workers = &|count, job| (0..count).rev().for_each(job);
+    let at_once: Workers = &|count, job| {
+        std::thread::scope(|scope| (0..count).for_each(|k| drop(scope.spawn(move || job(k)))));
+    };
+    for compression in [ExrCompression::None, ExrCompression::Zip, ExrCompression::Zips, ExrCompression::Piz]
+    {
+        let options = WriteOptions { exr_compression: compression, ..WriteOptions::default() };
+        let one = encode(&picture, PictureFormat::EXR, &options).expect("it fits an EXR");
+        let back = decode(&one, "").expect("our own file");
+        assert_eq!([back.width, back.height], [40, 200], "{compression}");
+        for workers in [backwards, at_once] {
+            let bytes = encode_with(&picture, PictureFormat::EXR, &options, workers);
+            assert!(bytes.expect("it fits an EXR") == one, "{compression}: the same bytes");
+        }
+    }
 }
 
 /// Other programs compose the foreground over something else; our own reader restores the visible colour.

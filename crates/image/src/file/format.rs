@@ -3,7 +3,7 @@
 //! Help texts, messages, the Python package and docs/reference/formats.md list formats from the table of them (`table.rs`).
 //! Tests: `table.rs`.
 
-use super::options::WriteOptions;
+use super::options::{Workers, WriteOptions};
 use super::source::Source;
 use crate::{Budget, Error, Picture, Stored, StoredValues, Texels};
 
@@ -38,7 +38,7 @@ pub(super) enum Signature {
     Foot(&'static [u8]),
 }
 
-type Encode = fn(&Picture, &WriteOptions) -> Result<Vec<u8>, Error>;
+type Encode = fn(&Picture, &WriteOptions, Workers) -> Result<Vec<u8>, Error>;
 type Decode<T> = fn(&mut dyn Source, u64, &Budget) -> Result<T, Error>;
 type DecodeTexels = fn(&mut dyn Source, u64, Meaning, &Budget) -> Result<Texels, Error>;
 

@@ -31,7 +31,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     is_whole: true,
     signature: Signature::Head(|head| head.starts_with(b"#?R")),
     read: Readers { picture: decode, texels: None, stored: None },
-    write: Some(|picture, _| Ok(encode(picture))),
+    write: Some(|picture, _, _| Ok(encode(picture))),
 };
 
 fn encode(picture: &Picture) -> Vec<u8> {

@@ -34,7 +34,7 @@ pub use format::PictureFormat;
 pub use guard::{expecting_panics, expects_panics};
 pub use limits::MAX_PIXELS;
 pub use open::{NotRegular, open_regular};
-pub use options::{ExrCompression, ExrPixels, WriteOptions};
+pub use options::{ExrCompression, ExrPixels, Workers, WriteOptions};
 pub use png::{encode_screen, encode_texels};
 pub use replace::{check_writable, replace_file, replace_file_if};
 
@@ -57,9 +57,23 @@ pub fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(
 /// # Errors
 /// [`Error::Shape`] if sizes do not fit, [`Error::TooLarge`] if the format cannot hold as many rows or columns.
 pub fn encode(picture: &Picture, format: &PictureFormat, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+    let one_by_one: Workers = &|count, job| (0..count).for_each(job);
+    encode_with(picture, format, options, one_by_one)
+}
+
+/// [`encode`] with the caller's workers, which compress the blocks of an EXR. The bytes are the same.
+///
+/// # Errors
+/// As of [`encode`].
+pub fn encode_with(
+    picture: &Picture,
+    format: &PictureFormat,
+    options: &WriteOptions,
+    workers: Workers,
+) -> Result<Vec<u8>, Error> {
     picture.check()?;
     match format.write {
-        Some(encode) => encode(picture, options),
+        Some(encode) => encode(picture, options, workers),
         None => Err(Error::Shape(format!("{} files are not written", format.name))),
     }
 }

@@ -86,3 +86,6 @@ impl Default for WriteOptions {
         }
     }
 }
+
+/// Calls a job once for each number below a count, in any order, and returns when all calls have.
+pub type Workers<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) + Sync));

@@ -24,7 +24,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
         |head| matches!(head, [b'P', b'F' | b'f', space, ..] if space.is_ascii_whitespace()),
     ),
     read: Readers { picture: decode, texels: None, stored: None },
-    write: Some(|picture, _| Ok(encode(picture))),
+    write: Some(|picture, _, _| Ok(encode(picture))),
 };
 
 fn encode(picture: &Picture) -> Vec<u8> {

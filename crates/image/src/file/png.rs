@@ -19,7 +19,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     is_whole: true,
     signature: Signature::Head(|head| head.starts_with(b"\x89PNG\r\n\x1a\n")),
     read: raster::PNG,
-    write: Some(encode),
+    write: Some(|picture, options, _| encode(picture, options)),
 };
 
 fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {

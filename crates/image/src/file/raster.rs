@@ -86,7 +86,7 @@ pub(super) const JPEG: PictureFormat = PictureFormat {
     is_for_screens: true,
     signature: Signature::Head(|head| head.starts_with(&[0xff, 0xd8, 0xff])),
     read: reader!(RasterFormat::Jpeg),
-    write: Some(screens::encode_jpeg),
+    write: Some(|picture, options, _| screens::encode_jpeg(picture, options)),
     ..READ_ONLY
 };
 
@@ -117,7 +117,7 @@ pub(super) const WEBP: PictureFormat = PictureFormat {
     has_opacity: true,
     signature: Signature::Head(|head| head.starts_with(b"RIFF") && head.ends_with(b"WEBP")),
     read: reader!(RasterFormat::Webp),
-    write: Some(screens::encode_webp),
+    write: Some(|picture, options, _| screens::encode_webp(picture, options)),
     ..READ_ONLY
 };
 

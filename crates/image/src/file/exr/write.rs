@@ -2,20 +2,25 @@
 //! Writing an EXR: one flat part with the colour as R, G, B, A and every layer's channels as `layer.channel`.
 //! Names as other renderers and viewers use them. R, G, B are the foreground, over nothing and associated
 //! with A [PD84]; the background is the layer `background`, to be added. Chromaticities are those of Rec. 709.
-//! Compression runs only on the calling thread. Invariants: pixels are exact in the chosen precision; finite values stay
-//! finite in half precision. Tests: `tests/round_trip.rs`.
+//! The caller's workers compress blocks. Invariants: pixels are exact in the
+//! chosen precision; finite values stay finite in half precision; the bytes do not depend on the workers. Tests:
+//! `tests/round_trip.rs`.
 
 use std::collections::HashSet;
 use std::io::Cursor;
+use std::sync::OnceLock;
 
+use exr::block::writer::ChunksWriter;
+use exr::block::{UncompressedBlock, enumerate_ordered_header_block_indices};
+use exr::image::write::layers::{LayersWriter, WritableLayers};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    LineOrder, Text, Vec2, WritableImage,
+    LineOrder, Text, Vec2,
     attribute::{AttributeValue, Chromaticities},
 };
 use half::f16;
 
-use super::super::options::{ExrCompression, ExrPixels, WriteOptions};
+use super::super::options::{ExrCompression, ExrPixels, Workers, WriteOptions};
 use crate::chromaticities::REC709;
 use crate::{BACKGROUND, Channel, ChannelData, Error, Picture};
 
@@ -41,6 +46,9 @@ const RESERVED: [&str; 17] = [
 ];
 const RESERVED_PREFIX: &str = "gnurt.";
 
+/// Compressed blocks that wait to be written at most: of 16 lines each in the default compression.
+const BLOCKS_AT_ONCE: usize = 64;
+
 /// Longest name of an attribute or channel.
 const MAX_NAME: usize = 255;
 
@@ -56,7 +64,11 @@ fn encoding(compression: ExrCompression) -> Encoding {
     Encoding { compression, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing }
 }
 
-pub(in crate::file) fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+pub(in crate::file) fn encode(
+    picture: &Picture,
+    options: &WriteOptions,
+    workers: Workers,
+) -> Result<Vec<u8>, Error> {
     let channels = channels(picture, options.exr_pixels)?;
     let size = (picture.width as usize, picture.height as usize);
     let encoding = encoding(options.exr_compression);
@@ -67,9 +79,30 @@ pub(in crate::file) fn encode(picture: &Picture, options: &WriteOptions) -> Resu
     let [red, green, blue] = REC709.primaries.map(point);
     let white = point(REC709.white);
     image.attributes.chromaticities = Some(Chromaticities { red, green, blue, white });
+    write(&image, workers).map_err(|error| Error::Shape(format!("it does not fit an EXR: {error}")))
+}
+
+/// The bytes of a file.
+fn write(image: &Image<Layer<AnyChannels<FlatSamples>>>, workers: Workers) -> exr::error::Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
-    let written = image.write().non_parallel().to_buffered(&mut bytes);
-    written.map_err(|error| Error::Shape(format!("it does not fit an EXR: {error}")))?;
+    let headers = image.layer_data.infer_headers(&image.attributes);
+    exr::block::write(&mut bytes, headers, true, |meta, chunks| {
+        let pixels = image.layer_data.create_writer(&meta.headers);
+        let blocks: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
+        for some in blocks.chunks(BLOCKS_AT_ONCE) {
+            let compressed: Vec<OnceLock<_>> = some.iter().map(|_| OnceLock::new()).collect();
+            workers(some.len(), &|k| {
+                let (number, index) = some[k];
+                let data = pixels.extract_uncompressed_block(&meta.headers, index);
+                let block = UncompressedBlock { index, data };
+                compressed[k].get_or_init(|| (number, block.compress_to_chunk(&meta.headers)));
+            });
+            for (number, chunk) in compressed.into_iter().filter_map(OnceLock::into_inner) {
+                chunks.write_chunk(number, chunk?)?;
+            }
+        }
+        Ok(())
+    })?;
     Ok(bytes.into_inner())
 }
 
