@@ -15,6 +15,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
+use super::spherical;
 use crate::batch::Vec3s;
 use crate::materials::{Coverage, Emission};
 use crate::sampling::distribution::ALMOST_ONE;
@@ -201,6 +202,29 @@ impl Shape {
             if contribution.is_finite() { contribution.max(f32::MIN_POSITIVE) } else { f32::MAX.sqrt() }
         } else {
             0.0
+        }
+    }
+
+    /// The barycentric weights of the second and third vertex that a point on it, seen from `p`, has for two numbers in
+    /// [0, 1); and its density per solid angle, unless it is uniform by area.
+    pub(super) fn position(&self, p: Vec3, u: [f32; 2]) -> ([f32; 2], Option<f32>) {
+        let wide = self.wide_position(p, u).map(|(position, density)| (position, Some(density)));
+        wide.unwrap_or_else(|| (sampling::triangle(u), None))
+    }
+
+    /// The same where it is not uniform by area.
+    pub(super) fn wide_position(&self, p: Vec3, u: [f32; 2]) -> Option<([f32; 2], f32)> {
+        let corners = self.p.map(|q| q - p);
+        spherical::wide_angle(corners, self.area).map(|angle| (spherical::sample(corners, u), 1.0 / angle))
+    }
+
+    /// Density per solid angle at `p` of the position that lies along the unit `dir`, `dist` away; 0 from behind.
+    pub(super) fn density(&self, p: Vec3, dir: Vec3, dist: f32) -> f32 {
+        let cos = -self.normal.dot(dir);
+        match spherical::wide_angle(self.p.map(|q| q - p), self.area) {
+            _ if cos <= 0.0 || cos.is_nan() => 0.0,
+            Some(angle) => 1.0 / angle,
+            None => dist * dist / (cos * self.area),
         }
     }
 

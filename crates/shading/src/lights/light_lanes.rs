@@ -160,8 +160,17 @@ impl LightLanes {
         let row = columns(simd, &self.triangles, &light);
         let corners = [vector(&row, 0), vector(&row, 3), vector(&row, 6)];
         let towards = vector(&row, 9);
-        let (area, slot_index) = (row[12], triangle([x, y]));
-        let [b1, b2] = slot_index;
+        let (area, [mut b1, mut b2]) = (row[12], triangle([x, y]));
+        // Near large triangles by solid angle.
+        let mut wide = f32x16::splat(simd, 0.0);
+        if let Some(triangles) = &parts.triangles {
+            for i in LanesOf(found.to_bitmask()) {
+                let shape = &triangles.shapes[light[i] as usize];
+                if let Some((position, density)) = shape.wide_position(p.get(i), [x[i], y[i]]) {
+                    ([b1[i], b2[i]], wide[i]) = (position, density);
+                }
+            }
+        }
         let point = corners[0] + (corners[1] - corners[0]) * b1 + (corners[2] - corners[0]) * b2;
         let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs()).max(p.abs()).max_element();
         let offset = point + towards * (reach * (16.0 * f32::EPSILON)) - p;
@@ -169,7 +178,8 @@ impl LightLanes {
         let dir = offset.over(dist);
         let cos = -towards.dot(dir);
         let zero = f32x16::splat(simd, 0.0);
-        let density = cos.simd_gt(zero).select(dist * dist / (cos * area), zero);
+        let density = wide.simd_gt(zero).select(wide, dist * dist / (cos * area));
+        let density = cos.simd_gt(zero).select(density, zero);
         let mut radiance = Vec3x16::new(row[13], row[14], row[15]);
         if let (false, Some(triangles)) = (self.uneven.is_empty(), &parts.triangles) {
             let (mut requests, mut of) = ([EmitterPoint::default(); LANES], [0; LANES]);

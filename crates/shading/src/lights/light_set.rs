@@ -18,7 +18,7 @@ use gnurt_image::srgb::luminance;
 use super::light_lanes::LightLanes;
 use super::light_parts::{LightId, LightKind, LightParts, LightSample, is_sound};
 use super::light_tree::{LightBounds, LightTree};
-use crate::sampling::{self, Choice, Distribution};
+use crate::sampling::{Choice, Distribution};
 
 /// All lights.
 pub struct LightSet {
@@ -177,11 +177,13 @@ impl LightSet {
             LightKind::Triangle(i) => {
                 let triangles = self.parts.triangles.as_ref()?;
                 let shape = &triangles.shapes[i as usize];
-                let uv = sampling::triangle(u);
+                let (uv, wide) = shape.position(p, u);
                 let offset = shape.nearest_image(p, uv) - p;
                 let dist = offset.length();
                 let dir = offset / dist;
-                let pdf = probability * solid_angle_density(shape.normal, shape.area, dir, dist);
+                let cos = -shape.normal.dot(dir);
+                let density = wide.unwrap_or_else(|| dist * dist / (cos * shape.area));
+                let pdf = probability * if cos > 0.0 { density } else { 0.0 };
                 let radiance = triangles.radiance(i as usize, uv, dir);
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
@@ -233,7 +235,7 @@ impl LightSet {
     pub fn pdf_triangle_in_group(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
         let Some(triangles) = &self.parts.triangles else { return 0.0 };
         let shape = &triangles.shapes[triangle as usize];
-        let here = solid_angle_density(shape.normal, shape.area, dir, dist);
+        let here = shape.density(p, dir, dist);
         if here <= 0.0 {
             return 0.0;
         }
@@ -304,12 +306,6 @@ impl LightSet {
             LightKind::Triangle(_) | LightKind::Directional(_) | LightKind::Environment => 0.0,
         }
     }
-}
-
-/// A uniform density over an area, seen along `dir` from `dist` away; 0 from behind.
-fn solid_angle_density(normal: Vec3, area: f32, dir: Vec3, dist: f32) -> f32 {
-    let cos = -normal.dot(dir);
-    if cos > 0.0 { dist * dist / (cos * area) } else { 0.0 }
 }
 
 /// Centre and radius of a ball around a box; never without extent.

@@ -14,6 +14,7 @@ mod light_set_lanes;
 mod light_set_tests;
 mod light_tree;
 mod punctual;
+mod spherical;
 
 pub use area::{
     EmissiveTriangle, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, TriangleLights, looking_at,
