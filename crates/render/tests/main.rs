@@ -42,3 +42,4 @@ mod signed;
 mod subsurface;
 mod terminator;
 mod unlit;
+mod velocity;

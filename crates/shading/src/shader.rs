@@ -33,6 +33,14 @@ impl AttributeRequest {
 
     /// The name of the time of the ray, from 0 to 1 during an open shutter: one float. 0 where nothing moves.
     pub const TIME: &'static str = "gnurt:time";
+
+    /// The name of the length of the open shutter, in the unit of [`TIME`](Self::TIME): one float. 1 where something
+    /// moves, 0 elsewhere.
+    pub const SHUTTER: &'static str = "gnurt:shutter";
+
+    /// The name of the velocity of the surface's point at the time of the ray: three floats, world units per open
+    /// shutter.
+    pub const VELOCITY: &'static str = "gnurt:velocity";
 }
 
 /// The form of a value that a shader puts out.
@@ -238,6 +246,12 @@ impl<'a> CameraSamples<'a> {
     #[must_use]
     pub fn lens(&self, i: usize) -> [f32; 2] {
         self.lens.get(i).copied().unwrap_or([0.5; 2])
+    }
+
+    /// The length of the open shutter in the unit of [`time`](Self::time): 1, or 0 if rays have no times.
+    #[must_use]
+    pub fn duration(&self) -> f32 {
+        if self.times.is_empty() { 0.0 } else { 1.0 }
     }
 
     /// When ray `i` does.

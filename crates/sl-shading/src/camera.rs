@@ -111,6 +111,7 @@ impl CameraShader for ScriptCamera {
                     u: Dual::new(u, 1.0 / w, 0.0),
                     v: Dual::new(v, 0.0, -1.0 / h),
                     time: samples.time(i),
+                    dtime: samples.duration(),
                     xi: samples.lens(i),
                     raster: [u * w, (1.0 - v) * h],
                     index: i as i32,

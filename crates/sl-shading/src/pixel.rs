@@ -41,6 +41,7 @@ fn point(samples: &PixelSamples, ray: &Ray, i: usize) -> Point {
         u: Dual::new(u, 1.0 / width, 0.0),
         v: Dual::new(v, 0.0, -1.0 / height),
         time: samples.camera.time(i),
+        dtime: samples.camera.duration(),
         xi: samples.camera.lens(i),
         raster: [u * width, (1.0 - v) * height],
         ray_kinds: CAMERA,

@@ -18,7 +18,7 @@ use gnurt_sl::diagnostics::{Diagnostic, Severity, Style};
 use gnurt_sl::exec::{Plan, PlanOptions, Program, unknown_operation};
 use gnurt_sl::group::{Group, Hint, read_group};
 use gnurt_sl::hir::Data;
-use gnurt_sl::ir::{Op, Shader, Symbol, SymbolKind, ops, read as read_oso};
+use gnurt_sl::ir::{Op, Shader, SymbolKind, ops, read as read_oso};
 use gnurt_sl::opcode::Opcode;
 use gnurt_sl::source::Sources;
 use gnurt_sl::types::{Base, Type};
@@ -539,7 +539,8 @@ impl Script {
         let colors = colors()?;
         let requests = self.requests(group);
         let frame = |name: &str| requests.iter().position(|request| request.name == name);
-        let (area, time) = (frame(AttributeRequest::SURFACE_AREA), frame(AttributeRequest::TIME));
+        let [area, time] = [AttributeRequest::SURFACE_AREA, AttributeRequest::TIME].map(frame);
+        let [shutter, velocity] = [AttributeRequest::SHUTTER, AttributeRequest::VELOCITY].map(frame);
         Ok(Common {
             name: self.name.clone(),
             program,
@@ -549,7 +550,7 @@ impl Script {
             properties: Properties::of(plan, &colors),
             colors,
             live: self.live.clone(),
-            needs: Needs { area, time, ..Needs::of(plan) },
+            needs: Needs { area, time, shutter, velocity, ..Needs::of(plan) },
             scratch: Mutex::default(),
         })
     }
@@ -609,10 +610,18 @@ impl Script {
                 }
             });
         }
-        let is_time = |symbol: &Symbol| symbol.kind == SymbolKind::Global && &*symbol.name == "time";
-        let time = group.layers.iter().flat_map(|layer| &layer.shader.symbols).any(is_time);
-        if time && self.kind == Kind::Surface {
-            query(AttributeRequest::TIME, 1);
+        let symbols = || group.layers.iter().flat_map(|layer| &layer.shader.symbols);
+        let reads = |global: &str| {
+            symbols().any(|symbol| symbol.kind == SymbolKind::Global && &*symbol.name == global)
+        };
+        for (global, attribute, components) in [
+            ("time", AttributeRequest::TIME, 1),
+            ("dtime", AttributeRequest::SHUTTER, 1),
+            ("dPdtime", AttributeRequest::VELOCITY, 3),
+        ] {
+            if self.kind == Kind::Surface && reads(global) {
+                query(attribute, components);
+            }
         }
         if area && self.kind == Kind::Surface {
             query(AttributeRequest::SURFACE_AREA, 1);

@@ -20,6 +20,10 @@ pub(crate) struct Needs {
     pub(crate) area: Option<usize>,
     /// Times, which are this one.
     pub(crate) time: Option<usize>,
+    /// The length of the open shutter, which is this one.
+    pub(crate) shutter: Option<usize>,
+    /// The points' velocities, which are this one.
+    pub(crate) velocity: Option<usize>,
 }
 
 impl Needs {
@@ -89,14 +93,18 @@ fn points_at(
     out.count = count;
     (out.n, out.ng) = (facing.ns, facing.ng);
     (out.backfacing, out.flipped) = ((facing.back & all) as u16, 0);
-    out.surface_area = [1.0; LANES];
-    if let Some(areas) = needs.area.and_then(|number| hits.attributes.get(number)) {
-        out.surface_area.iter_mut().zip(&areas[first..]).for_each(|(to, &area)| *to = area);
-    }
-    out.time = [0.0; LANES];
-    if let Some(times) = needs.time.and_then(|number| hits.attributes.get(number)) {
-        out.time.iter_mut().zip(&times[first..]).for_each(|(to, &time)| *to = time);
-    }
+    // Component k of an attribute, or what stands for it.
+    let attribute = |row: &mut Row, number: Option<usize>, (k, missing): (usize, f32)| {
+        *row = [missing; LANES];
+        let values = number.and_then(|number| hits.attributes.get(number)?.get(k * hits.len() + first..));
+        for (to, &value) in row[..count].iter_mut().zip(values.unwrap_or_default()) {
+            *to = if value.is_nan() { missing } else { value };
+        }
+    };
+    attribute(&mut out.surface_area, needs.area, (0, 1.0));
+    attribute(&mut out.time, needs.time, (0, 0.0));
+    attribute(&mut out.dtime, needs.shutter, (0, 0.0));
+    out.dpdtime.iter_mut().enumerate().for_each(|(k, row)| attribute(row, needs.velocity, (k, 0.0)));
     let copy = |row: &mut Row, from: &[f32]| match from[first..].first_chunk() {
         Some(all) => *row = *all,
         None => row[..count].copy_from_slice(&from[first..first + count]),

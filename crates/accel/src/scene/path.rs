@@ -173,6 +173,26 @@ impl MotionPath {
         self.segment(piece, share)
     }
 
+    /// The derivative of [`at`](Self::at) by the time; at a key that of the piece behind it, and 0 at times at which the
+    /// path has ended or not begun.
+    #[must_use]
+    pub fn rate(&self, time: f32) -> [[f64; 3]; 4] {
+        let [first, last] = self.times;
+        if !(time >= first && time <= last && last > first) {
+            return [[0.0; 3]; 4];
+        }
+        let (number, share) = share_of(self.local(time), self.pieces.len());
+        let piece = &self.pieces[number];
+        let change = |[from, to]: &[[f64; 3]; 2]| std::array::from_fn(|k| to[k] - from[k]);
+        let [x, y, z] = match &piece.linear {
+            Linear::Stays(_) => [[0.0; 3]; 3],
+            Linear::Rotating(rotation) => rotation.rate(share),
+            Linear::Straight([from, to]) => [0, 1, 2].map(|c| change(&[from[c], to[c]])),
+        };
+        let speed = self.pieces.len() as f64 / f64::from(last - first);
+        [x, y, z, change(&piece.translations)].map(|column| column.map(|x: f64| x * speed))
+    }
+
     fn segment(&self, number: usize, share: f64) -> [[f64; 3]; 4] {
         let (from, to) = (&self.keys[number], &self.keys[number + 1]);
         if share == 0.0 {
@@ -308,6 +328,38 @@ mod tests {
         let third = quarters.expect("five places").at(1.0 / 3.0);
         let expected = turned(f64::from(1.0_f32 / 3.0) * std::f64::consts::TAU, [1.0; 3], [0.0; 3]);
         assert!(near(&third, &expected), "a whole turn by quarters: {third:?}");
+    }
+
+    #[test]
+    fn rates_are_the_slopes_of_paths() {
+        let at = |t: f64| turned(0.3 + 2.8 * t, [2.0, 0.5 + t, 3.0], [1.0 + t, 5.0 * t, -t]);
+        let keys = [at(0.0), at(0.4), at(1.0)];
+        let still = [at(0.0), at(0.0)];
+        for (name, path) in [
+            ("arcs", MotionPath::new(&keys)),
+            ("lines", MotionPath::straight(&keys)),
+            ("lines in another range", MotionPath::straight(&keys).map(|path| path.within([-1.0, 2.0]))),
+            ("arcs in another range", MotionPath::new(&keys).map(|path| path.within([0.1, 0.9]))),
+            ("a line in place", MotionPath::new(&still)),
+        ] {
+            let path = path.expect("sound keys");
+            for t in [0.15_f32, 0.25, 0.45, 0.6, 0.875] {
+                let h = 1.0 / 1024.0;
+                let (from, to) = (path.at(t - h), path.at(t + h));
+                let found = path.rate(t);
+                for ((found, from), to) in
+                    found.iter().flatten().zip(from.iter().flatten()).zip(to.iter().flatten())
+                {
+                    let slope = (to - from) / (2.0 * f64::from(h));
+                    assert!(
+                        (found - slope).abs() < 1e-4 * (1.0 + slope.abs()),
+                        "{name} at {t}: {found}, not {slope}"
+                    );
+                }
+            }
+        }
+        let path = MotionPath::new(&keys).expect("sound keys").within([0.25, 0.75]);
+        assert_eq!([path.rate(0.2), path.rate(0.8), path.rate(f32::NAN)], [[[0.0; 3]; 4]; 3], "not there");
     }
 
     #[test]

@@ -72,6 +72,21 @@ impl Rotation {
         [a, b, c]
     }
 
+    /// The derivative of [`linear`](Self::linear) by the fraction.
+    pub(super) fn rate(&self, share: f64) -> [[f64; 3]; 3] {
+        let (sine, cosine) = (share * self.arc).sin_cos();
+        let [from, beyond] = [&self.from, &self.beyond];
+        let at: Quaternion = std::array::from_fn(|k| cosine * from[k] + sine * beyond[k]);
+        let change: Quaternion = std::array::from_fn(|k| self.arc * (cosine * beyond[k] - sine * from[k]));
+        let stretch = self.stretch_at(share);
+        let growth: Stretch = match self.is_rigid {
+            true => [0.0; 6],
+            false => std::array::from_fn(|k| self.stretch[1][k] - self.stretch[0][k]),
+        };
+        let [turned, grown] = [times(&axes_rate(&at, &change), &stretch), times(&axes(&at), &growth)];
+        std::array::from_fn(|c| std::array::from_fn(|k| turned[c][k] + grown[c][k]))
+    }
+
     /// The stretch before the rotation.
     #[inline(always)]
     fn stretch_at(&self, share: f64) -> Stretch {
@@ -169,4 +184,19 @@ fn axes(&[x, y, z, w]: &Quaternion) -> [[f64; 3]; 3] {
         [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
         [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
     ]
+}
+
+/// The derivative of [`axes`] for a quaternion with this derivative.
+fn axes_rate(&[x, y, z, w]: &Quaternion, &[dx, dy, dz, dw]: &Quaternion) -> [[f64; 3]; 3] {
+    let both = |a: f64, b: f64, da: f64, db: f64| 2.0 * (da * b + a * db);
+    let [xx, yy, zz] = [4.0 * x * dx, 4.0 * y * dy, 4.0 * z * dz];
+    let [xy, xz, yz] = [both(x, y, dx, dy), both(x, z, dx, dz), both(y, z, dy, dz)];
+    let [xw, yw, zw] = [both(x, w, dx, dw), both(y, w, dy, dw), both(z, w, dz, dw)];
+    [[-yy - zz, xy + zw, xz - yw], [xy - zw, -xx - zz, yz + xw], [xz + yw, yz - xw, -xx - yy]]
+}
+
+/// Columns after a stretch.
+fn times([x, y, z]: &[[f64; 3]; 3], &[ax, bx, by, cx, cy, cz]: &Stretch) -> [[f64; 3]; 3] {
+    let sum = |a: f64, b: f64, c: f64| std::array::from_fn(|k| x[k] * a + y[k] * b + z[k] * c);
+    [sum(ax, 0.0, 0.0), sum(bx, by, 0.0), sum(cx, cy, cz)]
 }

@@ -33,6 +33,7 @@ mod textures;
 mod top;
 mod transform;
 mod users;
+mod velocity;
 
 use std::collections::HashSet;
 use std::ops::Range;

@@ -137,7 +137,7 @@ pub(super) struct MemberSlot {
 pub(crate) struct PlacedMember {
     pub(crate) object: Arc<WorldObject>,
     pub(crate) object_id: ObjectId,
-    transform: Transform,
+    pub(super) transform: Transform,
     /// The greatest coordinates that its points have in the object that holds it.
     reach: Vec3,
     /// Its path during the open shutter; `transform` is its start.

@@ -390,6 +390,25 @@ impl<'w> SurfacePoints<'w> {
             }
             return values;
         }
+        if request.name == AttributeRequest::SHUTTER {
+            values.fill(if self.shutter.is_some() { 1.0 } else { 0.0 });
+            return values;
+        }
+        if request.name == AttributeRequest::VELOCITY {
+            let Some(shutter) = self.shutter else { return values };
+            for i in 0..lanes {
+                let (instance, leaf) = self.instance(points.leaf_id[i]);
+                let (primitive, uv) = ((points.geom_id[i], points.prim_id[i]), [points.u[i], points.v[i]]);
+                let time = shutter.time(points.key[i]);
+                let velocity = instance.velocity_at(leaf, primitive, uv, points.p.get(i), time).to_array();
+                velocity
+                    .into_iter()
+                    .take(components)
+                    .enumerate()
+                    .for_each(|(k, x)| values[k * lanes + i] = x);
+            }
+            return values;
+        }
         if request.name == AttributeRequest::SURFACE_AREA {
             let mut last = ([u32::MAX; 2], 0.0);
             for (i, value) in values.iter_mut().enumerate().take(lanes) {

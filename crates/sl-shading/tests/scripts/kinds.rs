@@ -81,6 +81,42 @@ fn surfaces_know_the_time() {
 }
 
 #[test]
+fn surfaces_know_their_velocity() {
+    let shader = surface("Ci = (color (dPdtime) * dtime + color (0, 0, time)) * emission ();");
+    let names: Vec<(&str, u32)> =
+        shader.attributes().iter().map(|request| (&request.name[..], request.components)).collect();
+    let expected =
+        [(AttributeRequest::TIME, 1), (AttributeRequest::SHUTTER, 1), (AttributeRequest::VELOCITY, 3)];
+    assert_eq!(names, expected);
+    let mut hits = floor(20);
+    assert_eq!(emitted(&*shader, &hits)[19], Vec3::ZERO, "of a closed shutter");
+    // By component, then by point.
+    let velocity = (0..60).map(|i| i as f32).collect();
+    hits.attributes = vec![vec![0.5; 20], vec![2.0; 20], velocity];
+    for wait in [0, 150] {
+        std::thread::sleep(std::time::Duration::from_millis(wait));
+        for (i, found) in emitted(&*shader, &hits).into_iter().enumerate() {
+            let i = i as f32;
+            assert_eq!(found, Vec3::new(2.0 * i, 2.0 * (20.0 + i), 2.0 * (40.0 + i) + 0.5), "point {i}");
+        }
+    }
+    let camera = script("camera c () { P = point (time, dtime, 0); I = vector (0, 0, -1); }");
+    let frame = CameraFrame {
+        eye: [0.0; 3],
+        right: [1.0, 0.0, 0.0],
+        up: [0.0, 1.0, 0.0],
+        back: [0.0, 0.0, 1.0],
+        pixels: [2, 2],
+    };
+    let camera = camera.camera(frame).expect("a camera");
+    for (times, org) in [(&[][..], [0.5, 0.0, 0.0]), (&[0.25][..], [0.25, 1.0, 0.0])] {
+        let mut rays = RayBatch::default();
+        camera.rays(&CameraSamples { positions: &[[0.5; 2]], lens: &[], times }, 1.0, &mut rays);
+        assert_eq!(rays.get(0).org, org, "the camera's times {times:?}");
+    }
+}
+
+#[test]
 fn derivatives_follow_the_width_of_rays() {
     let mut hits = floor(1);
     hits.ray_dir = Vec3s::splat(1, -Vec3::Y);
