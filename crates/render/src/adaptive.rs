@@ -31,6 +31,7 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
     let pilot = Sampler { job: &pilot, pass: None };
     let mut tile = TileFilm::new(rect, false, true);
     let mut tracer = BatchTracer::new(job.world, &options, false);
+    tracer.properties = Some(job.properties);
     tracer.wavefront.linked = job.links.clone().map(LinkedPaths::new);
     let mut taken = FEWEST;
     let needed = loop {

@@ -96,6 +96,10 @@ impl CameraShader for SceneCamera {
         self.0.has_lens()
     }
 
+    fn projection(&self) -> Option<CameraProjection> {
+        Some(self.0.projection)
+    }
+
     fn project(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
         self.0.project(p, aspect)
     }

@@ -11,7 +11,7 @@ use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
 use gnurt_image::Filter;
 use gnurt_shading::sampling::{purpose, sample_pair, sample_pairs};
-use gnurt_shading::{CameraSamples, CameraShader, SampleKey};
+use gnurt_shading::{CameraProperties, CameraSamples, CameraShader, SampleKey};
 use gnurt_simd::dispatch_wide;
 
 use crate::camera_batch::CameraBatch;
@@ -20,6 +20,7 @@ use crate::expressions::LightPaths;
 use crate::many_lights::Common;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
+use crate::tracer::BatchTracer;
 use crate::transport::links::LightLinks;
 use crate::world::World;
 
@@ -42,6 +43,8 @@ pub(crate) struct Job<'a> {
     pub(crate) eye: Vec3,
     /// The footprint of a pixel.
     pub(crate) cone: Cone,
+    /// The camera as shaders query it.
+    pub(crate) properties: CameraProperties,
     /// Centres of columns and rows, computed at first use.
     centres: OnceLock<[Vec<f32>; 2]>,
     /// State of virtual lights that all passes share.
@@ -77,11 +80,23 @@ impl<'a> Job<'a> {
             forward,
             eye,
             cone: Cone::of(camera, options),
+            properties: CameraProperties {
+                resolution: [options.width, options.height],
+                projection: camera.projection(),
+                shutter: [0.0, if world.is_open() { 1.0 } else { 0.0 }],
+            },
             centres: OnceLock::new(),
             common: Arc::default(),
             light_paths,
             links: LightLinks::new(world).map(Arc::new),
         }
+    }
+
+    /// A tracer in its world, which can note the cost of each ray, or not.
+    pub(crate) fn tracer(&self, costs: bool) -> BatchTracer<'a> {
+        let mut tracer = BatchTracer::new(self.world, self.options, costs);
+        tracer.properties = Some(self.properties);
+        tracer
     }
 
     /// One ray through each pixel for each sample, at its centre or placed by the filter; sample by sample.

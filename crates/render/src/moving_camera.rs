@@ -6,7 +6,7 @@
 
 use gnurt_accel::{KeyInterval, RayBatch};
 use gnurt_scene::Camera;
-use gnurt_shading::{CameraSamples, CameraShader};
+use gnurt_shading::{CameraProjection, CameraSamples, CameraShader};
 
 use crate::camera::SceneCamera;
 
@@ -39,6 +39,10 @@ impl CameraShader for MovingCamera {
             let one = CameraSamples { positions: &samples.positions[i..=i], lens, times: &[] };
             self.at(samples.time(i)).rays(&one, aspect, out);
         }
+    }
+
+    fn projection(&self) -> Option<CameraProjection> {
+        self.at(0.5).projection()
     }
 
     fn has_lens(&self) -> bool {

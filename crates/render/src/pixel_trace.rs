@@ -17,7 +17,6 @@ use crate::many_lights;
 use crate::options::RenderOptions;
 use crate::pixels;
 use crate::progress::Unwatched;
-use crate::tracer::BatchTracer;
 use crate::transport::links::LinkedPaths;
 use crate::world::World;
 
@@ -62,7 +61,7 @@ pub fn trace_pixel(
     let world = opened.as_ref().unwrap_or(world);
     let job = Job::new(world, camera, &options, &Unwatched);
     let pass = many_lights::pass_lights(&job, 0);
-    let mut tracer = BatchTracer::new(world, &options, false);
+    let mut tracer = job.tracer(false);
     tracer.lights = pass.as_ref().map(|pass| pass as _);
     tracer.wavefront.linked = job.links.clone().map(LinkedPaths::new);
     tracer.log = Some(Log::default());

@@ -44,6 +44,7 @@ pub(crate) fn show(
         neighbours: [&neighbours[0], &neighbours[1]],
         camera: CameraSamples { positions, lens, times },
         size: [job.options.width, job.options.height],
+        projection: job.properties.projection,
         keys,
         radiance,
         distances: &distances,

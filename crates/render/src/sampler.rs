@@ -50,7 +50,7 @@ pub(crate) struct SplitLight {
 impl<'a> Sampler<'a> {
     /// A tracer that renders one tile after another.
     pub(crate) fn tracer(&self) -> BatchTracer<'a> {
-        let mut tracer = BatchTracer::new(self.job.world, self.job.options, self.job.options.heatmap);
+        let mut tracer = self.job.tracer(self.job.options.heatmap);
         tracer.cone = self.job.cone;
         tracer.lights = self.pass.map(|pass| pass as _);
         tracer.wavefront.ledger = self.job.light_paths.clone().map(Ledger::new);

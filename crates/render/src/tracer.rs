@@ -15,8 +15,8 @@ use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::materials::recursive_radiance;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{
-    Detail, EnvironmentShader, LightBatch, RayKind, RayRequest, SampleKey, SurfaceBatch, SurfaceHit,
-    SurfaceShader, Tracer, Vec3s,
+    CameraProperties, Detail, EnvironmentShader, LightBatch, RayKind, RayRequest, SampleKey, SurfaceBatch,
+    SurfaceHit, SurfaceShader, Tracer, Vec3s,
 };
 
 use crate::camera_batch::CameraBatch;
@@ -74,6 +74,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) sharing: Sharing,
     /// The footprint of a pixel.
     pub(crate) cone: Cone,
+    /// The camera as shaders query it.
+    pub(crate) properties: Option<CameraProperties>,
     record: Record,
     /// Directly visible light, lane by lane; empty if it is not requested, or if the integrator does not
     /// provide it.
@@ -132,6 +134,7 @@ impl<'w> BatchTracer<'w> {
             probes: options.integrator.has_virtual_lights(),
             sharing: Sharing::All,
             cone: Cone::default(),
+            properties: None,
             record,
             direct: Vec3s::default(),
             veiled: Vec::new(),
@@ -236,6 +239,7 @@ impl<'w> BatchTracer<'w> {
                 shader.attributes(),
                 points,
             );
+            points.camera = self.properties;
             // Unknown if no material reads it.
             if world.materials().read_widths() {
                 self.cone.widen(points, lanes, from.cones);

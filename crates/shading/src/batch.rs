@@ -3,6 +3,8 @@
 //! section 8: a shader's author sees one point, the machine sees lanes.
 //! Space: world. Invariant: all arrays of a batch have `len()` lanes, and every lane is live.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use gnurt_accel::Ray;
 use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
@@ -11,6 +13,7 @@ use crate::lanes::LANES;
 use crate::point::{SurfacePoint, is_unbent};
 use crate::real::{Real, Vector};
 use crate::sampling::hash_combine;
+use crate::scene_queries::{CameraProperties, SceneNames};
 
 /// Three floats per lane: points, directions or colours.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -223,6 +226,10 @@ pub struct SurfaceBatch {
     /// Values of the attributes that the shader requested, in its order: component k of lane i is `[k * len +
     /// i]`.
     pub attributes: Vec<Vec<f32>>,
+    /// The camera of the picture; `None` = unknown, as where surfaces are sampled as lights.
+    pub camera: Option<CameraProperties>,
+    /// Names of the scene's parts, if some shader requests them.
+    pub names: Option<Arc<SceneNames>>,
 }
 
 /// Normals of sixteen lanes by component, on the sides that their rays came from.
@@ -243,6 +250,7 @@ impl SurfaceBatch {
         self.kinds.clear();
         self.key.clear();
         self.attributes.clear();
+        (self.camera, self.names) = (None, None);
     }
 
     /// Visits all rows of vectors, numbers and ids; an unknown row is empty.

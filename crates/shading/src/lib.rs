@@ -15,6 +15,7 @@ mod point;
 mod projective_camera;
 pub mod real;
 pub mod sampling;
+mod scene_queries;
 pub mod shader;
 mod texels;
 pub mod texture;
@@ -22,6 +23,7 @@ pub mod texture;
 pub use batch::{Detail, FacingRows, RayKind, SampleKey, SurfaceBatch, Vec3s};
 pub use point::{Leaving, Rays, SurfacePoint};
 pub use projective_camera::{CameraProjection, ProjectiveCamera};
+pub use scene_queries::{CameraProperties, SceneNames};
 pub use shader::{
     AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, Interior, LightBatch, LightShader,
     OutputKind, PixelSamples, PixelShader, RadianceShader, RayRequest, ShaderOutput, SurfaceHit,

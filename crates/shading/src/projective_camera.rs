@@ -129,6 +129,10 @@ impl ProjectiveCamera {
 }
 
 impl CameraShader for ProjectiveCamera {
+    fn projection(&self) -> Option<CameraProjection> {
+        Some(self.projection)
+    }
+
     fn project(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
         let offset = p - self.eye;
         let [x, y, z] = [self.right, self.up, self.forward].map(|axis| offset.dot(axis));

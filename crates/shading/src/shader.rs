@@ -10,6 +10,7 @@ use gnurt_accel::{Ray, RayBatch};
 
 use crate::batch::{RayKind, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
+use crate::projective_camera::CameraProjection;
 
 /// A value that a shader requests for each hit from its mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +42,10 @@ impl AttributeRequest {
     /// The name of the velocity of the surface's point at the time of the ray: three floats, world units per open
     /// shutter.
     pub const VELOCITY: &'static str = "gnurt:velocity";
+
+    /// The name of the numbers of instance, object, material and primitive: four floats with the bits of these
+    /// integers. A request for them also fills `SurfaceBatch::names`.
+    pub const IDS: &'static str = "gnurt:ids";
 }
 
 /// The form of a value that a shader puts out.
@@ -271,6 +276,11 @@ pub trait CameraShader: Send + Sync {
         false
     }
 
+    /// How it projects, in the middle of the open shutter; `None` if its rays follow another rule.
+    fn projection(&self) -> Option<CameraProjection> {
+        None
+    }
+
     /// The position of the point `p` of the world in a sharp picture, (0, 0) = lower left corner, (1, 1) =
     /// upper right one; positions outside are those in a larger picture. `None` if it is invisible, or if the
     /// camera has no inverse: pictures of a camera in motion reuse earlier ones only with an inverse.
@@ -291,6 +301,8 @@ pub struct PixelSamples<'a> {
     pub camera: CameraSamples<'a>,
     /// Columns and rows of the picture.
     pub size: [u32; 2],
+    /// How the camera projects; `None` if its rays follow another rule.
+    pub projection: Option<CameraProjection>,
     /// Keys of their random numbers.
     pub keys: &'a [SampleKey],
     /// The radiance against each ray, as the integrator found it.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use gnurt_accel::{KeyInterval, Ray, RayBatch};
-use gnurt_shading::{CameraSamples, CameraShader};
+use gnurt_shading::{CameraProperties, CameraSamples, CameraShader};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
 
@@ -93,6 +93,11 @@ impl CameraShader for ScriptCamera {
         let mut world = World::empty(&self.common);
         world.world_from_camera = Some(&world_from_camera);
         world.aspect = aspect;
+        world.camera = Some(CameraProperties {
+            resolution: self.frames[0].pixels,
+            projection: None,
+            shutter: [0.0, samples.duration()],
+        });
         let [w, h] = self.frames[0].pixels.map(|n| n.max(1) as f32);
         let (mut points, mut results) = (Points::default(), Results::default());
         let [from, along, weight, near, far] =

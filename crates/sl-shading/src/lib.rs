@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod access;
+mod attributes;
 mod camera;
 mod closures;
 mod codes;

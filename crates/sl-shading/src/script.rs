@@ -26,6 +26,7 @@ use gnurt_sl::{Options, compile};
 use gnurt_sl_lib::color::ColorSystem;
 
 use crate::access::Access;
+use crate::attributes::{self, CAMERA_PREFIX};
 use crate::camera::{CameraFrame, CameraScript};
 use crate::faults::Faults;
 use crate::fixed::Fixed;
@@ -559,9 +560,16 @@ impl Script {
     fn requests(&self, group: &Group) -> Vec<AttributeRequest> {
         let mut found: Vec<AttributeRequest> = Vec::new();
         let mut query = |name: &str, components: usize| {
-            if components > 0 && components <= 64 && !found.iter().any(|known| known.name == name) {
-                // No mesh has a value that is no number: then it has none.
-                let default = vec![f32::NAN; components];
+            if components == 0 || components > 64 {
+                return;
+            }
+            // No mesh has a value that is no number: then it has none.
+            let default = vec![f32::NAN; components];
+            if let Some(known) = found.iter_mut().find(|known| known.name == name) {
+                if known.default.len() < components {
+                    (known.components, known.default) = (components as u32, default);
+                }
+            } else {
                 found.push(AttributeRequest {
                     name: name.to_owned(),
                     components: components as u32,
@@ -569,7 +577,7 @@ impl Script {
                 });
             }
         };
-        let (mut spaces, mut area) = (false, false);
+        let (mut spaces, mut area, mut parts) = (false, false, false);
         for layer in &group.layers {
             let shader = &layer.shader;
             for (_, symbol) in shader.params().filter(|(id, _)| layer.interpolated(*id)) {
@@ -585,12 +593,36 @@ impl Script {
                     (SymbolKind::Const, Some(Data::Str(list))) => list.first().map(|text| &**text),
                     _ => None,
                 };
+                let index = |id: u32| match (shader.symbol(id).kind, &shader.symbol(id).value) {
+                    (SymbolKind::Const, Some(Data::Int(list))) => {
+                        list.first().and_then(|&index| usize::try_from(index).ok())
+                    }
+                    _ => None,
+                };
                 match op.code {
                     Opcode::GetAttribute => {
                         let value = op.args.last().map(|&id| shader.symbol(id).ty);
-                        if let (3, Some(name), Some(ty)) = (op.args.len(), text(op.args[1]), value) {
-                            query(name, ty.size());
+                        let [_, names @ .., _] = &op.args[..] else { return };
+                        let is_text = |id: &&u32| shader.symbol(**id).ty == Type::STRING;
+                        let texts: Vec<Option<&str>> =
+                            names.iter().filter(is_text).map(|&id| text(id)).collect();
+                        let index = names.iter().find(|id| !is_text(id)).map(|&id| index(id));
+                        match (&texts[..], index) {
+                            (&[] | &[.., None] | &[None, _, ..], _) => parts = true,
+                            (&[.., Some(name)], _) if attributes::is_of_part(name) => parts = true,
+                            (&[.., Some(name)], _) if name.starts_with(CAMERA_PREFIX) => {}
+                            (&[Some(name)] | &[Some(""), Some(name)], None) => {
+                                query(name, value.map_or(0, Type::size));
+                            }
+                            (&[Some(name)] | &[Some(""), Some(name)], Some(Some(index))) => {
+                                query(name, index + 1)
+                            }
+                            _ => {}
                         }
+                    }
+                    // Names of what a ray has hit.
+                    Opcode::GetMessage => {
+                        parts |= op.args.last().is_some_and(|&id| shader.symbol(id).ty == Type::STRING);
                     }
                     Opcode::Point
                     | Opcode::Vector
@@ -622,6 +654,9 @@ impl Script {
             if self.kind == Kind::Surface && reads(global) {
                 query(attribute, components);
             }
+        }
+        if parts && self.kind == Kind::Surface {
+            query(AttributeRequest::IDS, 4);
         }
         if area && self.kind == Kind::Surface {
             query(AttributeRequest::SURFACE_AREA, 1);

@@ -12,8 +12,8 @@ use std::sync::{Arc, Mutex};
 use glam::Vec3;
 use gnurt_accel::Ray;
 use gnurt_shading::{
-    AttributeRequest, LightBatch, PixelSamples, RayRequest, SampleKey, SurfaceBatch, SurfaceHit, Tracer,
-    Vec3s,
+    AttributeRequest, CameraProperties, LightBatch, PixelSamples, RayRequest, SampleKey, SurfaceBatch,
+    SurfaceHit, Tracer, Vec3s,
 };
 use gnurt_sl::exec::{
     Arriving, ClosureDecl, DualRow, Given, Host, LANES, Point, Points, Program, Results, TextureOptions,
@@ -25,6 +25,7 @@ use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::color::ColorSystem;
 use gnurt_sl_lib::points::PointCloud;
 
+use crate::attributes::{self, Value};
 use crate::closures;
 use crate::faults::Faults;
 use crate::live::Live;
@@ -103,6 +104,8 @@ pub(crate) struct World<'a> {
     pub(crate) world_from_camera: Option<&'a dyn Fn(f32) -> [[f32; 4]; 4]>,
     /// Width over height of the picture.
     pub(crate) aspect: f32,
+    /// The camera, of camera shaders.
+    pub(crate) camera: Option<CameraProperties>,
 }
 
 /// A tracer, and its answers so far.
@@ -135,7 +138,15 @@ impl<'a> Queries<'a> {
 impl<'a> World<'a> {
     /// Without surfaces: of lights, cameras, skies.
     pub(crate) fn empty(common: &'a Common) -> Self {
-        Self { common, hits: None, pixels: None, queries: None, world_from_camera: None, aspect: 1.0 }
+        Self {
+            common,
+            hits: None,
+            pixels: None,
+            queries: None,
+            world_from_camera: None,
+            aspect: 1.0,
+            camera: None,
+        }
     }
 
     /// Around points.
@@ -169,8 +180,36 @@ impl<'a> World<'a> {
         let (hits, lane) = self.lane(point)?;
         let number = self.common.requests.iter().position(|request| request.name == name)?;
         let values = hits.attributes.get(number)?;
-        let all: Vec<f32> = values.iter().skip(lane).step_by(hits.len()).copied().collect();
-        (!all.is_empty() && all.iter().all(|x| !x.is_nan())).then_some(all)
+        // Another query may have requested more components.
+        let all = values.iter().skip(lane).step_by(hits.len()).copied().take_while(|x| !x.is_nan());
+        Some(all.collect()).filter(|all: &Vec<f32>| !all.is_empty())
+    }
+
+    /// A value of the mesh, or one of its elements.
+    fn element(&self, name: &str, index: Option<i32>, ty: Type, point: &Point) -> Option<Given> {
+        let Some(index) = index else { return self.userdata(name, ty, point) };
+        let all = self.asked(name, point)?;
+        let element = usize::try_from(index).ok().and_then(|index| all.get(index).copied())?;
+        fitting(vec![element], ty).filter(|_| ty.size() == 1)
+    }
+
+    /// The numbers of a point's instance, object, material and primitive.
+    fn ids(&self, hits: &SurfaceBatch, lane: usize) -> Option<[u32; 4]> {
+        let is_ids = |request: &AttributeRequest| request.name == AttributeRequest::IDS;
+        let values = hits.attributes.get(self.common.requests.iter().position(is_ids)?)?;
+        let mut numbers = values.iter().skip(lane).step_by(hits.len()).map(|x| x.to_bits());
+        let ids = [numbers.next()?, numbers.next()?, numbers.next()?, numbers.next()?];
+        Some(ids)
+    }
+
+    /// The camera of the picture, if it is known.
+    fn camera_properties(&self) -> Option<CameraProperties> {
+        let of_pixels = |pixels: &PixelSamples| CameraProperties {
+            resolution: pixels.size,
+            projection: pixels.projection,
+            shutter: [0.0, pixels.camera.duration()],
+        };
+        self.camera.or_else(|| self.hits?.camera).or_else(|| self.pixels.map(of_pixels))
     }
 
     /// A ray from `p`: away from the surface where `p` is the point that is shaded.
@@ -242,12 +281,14 @@ fn some(list: Vec<f32>) -> Option<Given> {
 }
 
 /// Numbers as the type has them; none if there are too few.
-fn fitting(list: Vec<f32>, ty: Type) -> Option<Given> {
+fn fitting(mut list: Vec<f32>, ty: Type) -> Option<Given> {
+    if list.len() < ty.size() {
+        return None;
+    }
+    list.truncate(ty.size().max(1));
     match ty.base {
-        Base::Int if !list.is_empty() => {
-            Some(Given::from(Data::Int(list.iter().map(|&x| x as i32).collect())))
-        }
-        base if base.is_float_based() && list.len() >= ty.size() => some(list),
+        Base::Int => Some(Given::from(Data::Int(list.iter().map(|&x| x as i32).collect()))),
+        base if base.is_float_based() => some(list),
         _ => None,
     }
 }
@@ -315,13 +356,25 @@ impl Host for World<'_> {
         ty: Type,
         point: &Point,
     ) -> Option<Given> {
-        if !object.is_empty() || index.is_some() {
+        // Of the object first, then of the scene.
+        if object.is_empty() {
+            if let Some(found) = self.element(name, index, ty, point) {
+                return Some(found);
+            }
+            let part = attributes::is_of_part(name) && index.is_none();
+            if let Some((hits, ids)) =
+                self.lane(point).filter(|_| part).and_then(|(hits, lane)| Some((hits, self.ids(hits, lane)?)))
+            {
+                return attributes::of_part(hits, ids, name, ty);
+            }
+        } else if object != "global" {
             return None;
         }
-        if name == "osl:version" && ty == Type::INT {
-            return Some(Given::from(Data::Int(vec![gnurt_sl::VERSION_CODE as i32])));
-        }
-        self.userdata(name, ty, point)
+        let value = match name {
+            "osl:version" => Value::Ints(vec![gnurt_sl::VERSION_CODE as i32]),
+            _ => attributes::of_camera(&self.camera_properties()?, name)?,
+        };
+        attributes::converted(&value, index, ty)
     }
 
     fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, options: &TraceOptions, point: &Point) -> bool {
@@ -358,7 +411,11 @@ impl Host for World<'_> {
             tracer.meet(&last.request, &mut found);
             found.first().copied().flatten()
         });
-        (true, met.as_ref().and_then(|met| message_of(met, name, ty)))
+        let found = met.as_ref().and_then(|met| match self.hits {
+            Some(hits) if ty == Type::STRING => attributes::of_part(hits, met.ids, name, ty),
+            _ => message_of(met, name, ty),
+        });
+        (true, found)
     }
 
     fn radiance(

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders of all kinds, asked as the renderer asks them.
 
+#[path = "scripts/attributes.rs"]
+mod attributes;
 #[path = "scripts/closures.rs"]
 mod closures;
 #[path = "scripts/floor.rs"]

@@ -22,7 +22,6 @@ use super::vpl::Vpl;
 use super::{light_path, neighbours};
 use crate::job::Job;
 use crate::stats::RenderStats;
-use crate::tracer::BatchTracer;
 
 /// Paths per requested virtual light, each with several candidates, and the largest number of paths for more
 /// than one per light.
@@ -72,7 +71,7 @@ pub(super) struct Candidates {
 
 impl Candidates {
     pub(super) fn new(job: &Job, sample: u32, bound: Bound, stats: &mut RenderStats) -> Self {
-        let mut tracer = BatchTracer::new(job.world, job.options, false);
+        let mut tracer = job.tracer(false);
         let pilots = Pilots::new(job, &mut tracer, sample, bound);
         stats.add(&tracer.take_stats());
         let vpls = job.options.vpls;

@@ -30,7 +30,7 @@ pub(super) fn in_chunks_of<T: Send>(
 ) -> Vec<T> {
     let one = |n: usize| {
         let n = n as u32;
-        let mut tracer = BatchTracer::new(job.world, job.options, false);
+        let mut tracer = job.tracer(false);
         let result = of_chunk(&mut tracer, n * size..((n + 1) * size).min(count));
         (result, tracer.take_stats())
     };

@@ -12,7 +12,6 @@ use super::light_path::{self, pair};
 use super::pilots::{Pilots, Scratch, VisibleMask};
 use crate::job::Job;
 use crate::stats::RenderStats;
-use crate::tracer::BatchTracer;
 use crate::world::World;
 
 /// Parts of the range of numbers that choose a light.
@@ -38,7 +37,7 @@ pub(super) fn learned(job: &Job, stats: &mut RenderStats) -> Option<LightChoice>
     if !has_many_lights(job.world) {
         return None;
     }
-    let mut tracer = BatchTracer::new(job.world, job.options, false);
+    let mut tracer = job.tracer(false);
     let pilots = Pilots::new(job, &mut tracer, u32::MAX, bound_of(job.world, job.options));
     stats.add(&tracer.take_stats());
     let numbers = light_path::numbers(job.options.seed_of_lights(), u32::MAX - 1);

@@ -16,7 +16,7 @@ use gnurt_scene::{Affine, Scene};
 
 use super::dirty::DirtyParts;
 use super::instance::InstanceSlot;
-use super::labels::WorldLabels;
+use super::labels::{self, WorldLabels};
 use super::lights::{ChangedLights, order_in_set};
 use super::media::Media;
 use super::open::{Open, Shutter};
@@ -144,6 +144,7 @@ impl World {
             let emissive = &self.lights.emitters.instances;
             self.labels = Arc::new(WorldLabels::new(scene, &order_in_set(scene), emissive));
         }
+        self.names = labels::names(scene, &self.materials, self.names.take());
     }
 
     /// Objects and instances.

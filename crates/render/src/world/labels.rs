@@ -4,11 +4,33 @@
 //! Tests: crates/render/tests/light_layers.rs.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use gnurt_scene::labels::{LightLinks, Shining};
 use gnurt_scene::{InstanceId, Light, LightId, MaterialId, Scene};
+use gnurt_shading::{AttributeRequest, SceneNames};
 
+use super::material_table::MaterialTable;
 use crate::mattes::id_of_material;
+
+/// The names of a scene's parts for shaders that request them; none if no shader does. Shares them with `before` if
+/// they are equal.
+pub(super) fn names(
+    scene: &Scene,
+    materials: &MaterialTable,
+    before: Option<Arc<SceneNames>>,
+) -> Option<Arc<SceneNames>> {
+    let is_names = |request: &AttributeRequest| request.name == AttributeRequest::IDS;
+    if !materials.shaders().any(|shader| shader.attributes().iter().any(is_names)) {
+        return None;
+    }
+    let names = SceneNames {
+        instances: scene.instances().iter().map(|instance| instance.name.clone()).collect(),
+        objects: scene.objects().iter().map(|object| object.name.clone()).collect(),
+        materials: scene.materials().iter().map(|material| material.name.clone()).collect(),
+    };
+    before.filter(|before| **before == names).or_else(|| Some(Arc::new(names)))
+}
 
 /// Names of one thing, and the group of its light.
 #[derive(Clone, Debug, Default, PartialEq)]

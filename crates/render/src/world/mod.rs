@@ -43,7 +43,7 @@ use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree, SharedList};
 use gnurt_scene::ObjectId;
 use gnurt_scene::edit::{Cursor, SceneIdentity};
 use gnurt_shading::lights::LightSet;
-use gnurt_shading::{PixelShader, SampleKey, SurfaceShader};
+use gnurt_shading::{PixelShader, SampleKey, SceneNames, SurfaceShader};
 
 use crate::many_lights::PluginEmitters;
 use crowds::Crowds;
@@ -96,6 +96,8 @@ pub struct World {
     lights: Arc<Lights>,
     media: Arc<Media>,
     labels: Arc<WorldLabels>,
+    /// Names of parts, if some shader requests them.
+    names: Option<Arc<SceneNames>>,
     face_normals: bool,
     /// The pixel shader, if pixels show more than the radiance along their rays.
     pixel: Option<Arc<dyn PixelShader>>,
@@ -289,7 +291,7 @@ impl World {
         let shutter = self.is_open().then_some(self.shutter);
         let (instances, leaves) = (&*self.instances, Leaves::Tree(&self.tree));
         let (face_normals, curved) = (self.face_normals, self.materials.read_widths());
-        SurfacePoints { instances, leaves, shutter, face_normals, curved }
+        SurfacePoints { instances, leaves, shutter, face_normals, curved, names: self.names.as_ref() }
     }
 
     /// The input of the search for emissive triangles.

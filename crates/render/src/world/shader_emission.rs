@@ -124,8 +124,14 @@ impl ShaderEmission {
             let lanes: [u32; LANES] = std::array::from_fn(|i| i as u32);
             let shutter = self.time.map(Shutter::All);
             let (instances, leaves) = (&self.instances, Leaves::Listed(&leaves));
-            let world =
-                SurfacePoints { instances, leaves, shutter, face_normals: self.face_normals, curved: false };
+            let world = SurfacePoints {
+                instances,
+                leaves,
+                shutter,
+                face_normals: self.face_normals,
+                curved: false,
+                names: None,
+            };
             let how = (Level::default(), 0.0);
             world.surface_points(how, from, &lanes[..some.len()], Detail::Full, shader.attributes(), points);
             closures.reset(some.len());

@@ -13,7 +13,7 @@ use gnurt_accel::{HitBatch, KeyInterval, RayBatch, SceneTree, SharedList};
 use gnurt_scene::{Attribute, Mesh, Rate};
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::real::{Real, Vector};
-use gnurt_shading::{AttributeRequest, Detail, SampleKey, SurfaceBatch, Vec3s};
+use gnurt_shading::{AttributeRequest, Detail, SampleKey, SceneNames, SurfaceBatch, Vec3s};
 use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
 use super::instance::{InstanceSlot, PlacedInstance};
@@ -67,6 +67,8 @@ pub(crate) struct SurfacePoints<'w> {
     pub(super) face_normals: bool,
     /// Whether points have curvatures, because some surface reads the width of ray cones.
     pub(super) curved: bool,
+    /// Names of the scene's parts, if some shader requests them.
+    pub(super) names: Option<&'w Arc<SceneNames>>,
 }
 
 /// The gathered input of some points, out of the meshes' arrays; rows of vectors follow each other.
@@ -366,6 +368,9 @@ impl<'w> SurfacePoints<'w> {
             points.curvature.resize(lanes.len(), 0.0);
         }
         points.attributes = attributes.iter().map(|request| self.attribute(request, points)).collect();
+        if attributes.iter().any(|request| request.name == AttributeRequest::IDS) {
+            points.names = self.names.cloned();
+        }
     }
 
     /// Component k of lane i at `[k * lanes + i]`.
@@ -387,6 +392,17 @@ impl<'w> SurfacePoints<'w> {
         if request.name == AttributeRequest::TIME {
             if let Some(shutter) = self.shutter {
                 values.iter_mut().zip(&points.key).for_each(|(value, &key)| *value = shutter.time(key));
+            }
+            return values;
+        }
+        if request.name == AttributeRequest::IDS {
+            for i in 0..lanes {
+                let (instance, leaf) = self.instance(points.leaf_id[i]);
+                let (object, object_id) = instance.leaf(leaf);
+                let material = object.meshes[points.geom_id[i] as usize].material.0;
+                let ids = [points.inst_id[i], object_id.0, material, points.prim_id[i]];
+                let numbers = ids.map(f32::from_bits).into_iter().take(components);
+                numbers.enumerate().for_each(|(k, x)| values[k * lanes + i] = x);
             }
             return values;
         }

@@ -61,6 +61,7 @@ fn shown(body: &str) -> Vec<Vec3> {
         neighbours: [&right, &below],
         camera: CameraSamples::sharp(&positions),
         size: [40, 8],
+        projection: None,
         keys: &vec![SampleKey::default(); count],
         radiance: &Vec3s::splat(count, Vec3::new(5.0, 6.0, 7.0)),
         distances: &(0..count)

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The camera of a picture and the names of a scene's parts, as shaders query them.
+//! Source: the standard camera attributes of the Open Shading Language.
+//! Space: the screen window has y up; its unit is half of the picture's height, or world units of parallel rays.
+//! Tests: `tests`; crates/render/tests/scene_queries.rs.
+
+use crate::projective_camera::CameraProjection;
+
+/// The camera of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraProperties {
+    /// Columns and rows of the picture.
+    pub resolution: [u32; 2],
+    /// How it projects; `None` if its rays follow another rule.
+    pub projection: Option<CameraProjection>,
+    /// When the shutter opens and closes, in the unit of the rays' times: 0 and 1, or 0 and 0.
+    pub shutter: [f32; 2],
+}
+
+impl CameraProperties {
+    /// The distance of the far end of rays, which no plane ends.
+    pub const FAR: f32 = 1e30;
+
+    /// Vertical angle of view, degrees; `None` without one.
+    #[must_use]
+    pub fn fov(&self) -> Option<f32> {
+        match self.projection? {
+            CameraProjection::Perspective { half_height } => Some(2.0 * half_height.atan().to_degrees()),
+            CameraProjection::Fisheye { half_angle } => Some(2.0 * half_angle.to_degrees()),
+            CameraProjection::Parallel { .. } | CameraProjection::Panorama => None,
+        }
+    }
+
+    /// Left, lower, right and upper edge of the picture; `None` without a known projection.
+    #[must_use]
+    pub fn screen_window(&self) -> Option<[f32; 4]> {
+        let half_height = match self.projection? {
+            CameraProjection::Parallel { half_height } => half_height,
+            _ => 1.0,
+        };
+        let [width, height] = self.resolution.map(|n| n.max(1) as f32);
+        let half_width = half_height * width / height;
+        Some([-half_width, -half_height, half_width, half_height])
+    }
+}
+
+/// Names by number; missing ones are empty.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SceneNames {
+    /// Of instances.
+    pub instances: Vec<String>,
+    /// Of objects.
+    pub objects: Vec<String>,
+    /// Of materials.
+    pub materials: Vec<String>,
+}
+
+impl SceneNames {
+    /// The name of the geometry of an instance and an object: the instance's, or the object's if that is empty.
+    #[must_use]
+    pub fn of_geometry(&self, instance: u32, object: u32) -> &str {
+        match self.instances.get(instance as usize) {
+            Some(name) if !name.is_empty() => name,
+            _ => self.objects.get(object as usize).map_or("", String::as_str),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_and_angles_follow_the_projection() {
+        let of = |projection| CameraProperties { resolution: [200, 100], projection, shutter: [0.0; 2] };
+        let perspective = of(Some(CameraProjection::Perspective { half_height: 1.0 }));
+        assert!(perspective.fov().is_some_and(|fov| (fov - 90.0).abs() < 1e-4), "{:?}", perspective.fov());
+        assert_eq!(perspective.screen_window(), Some([-2.0, -1.0, 2.0, 1.0]));
+        let parallel = of(Some(CameraProjection::Parallel { half_height: 3.0 }));
+        assert_eq!((parallel.fov(), parallel.screen_window()), (None, Some([-6.0, -3.0, 6.0, 3.0])));
+        let fisheye = of(Some(CameraProjection::Fisheye { half_angle: std::f32::consts::FRAC_PI_2 }));
+        assert_eq!(fisheye.fov(), Some(180.0));
+        assert_eq!((of(None).fov(), of(None).screen_window()), (None, None), "rays of a shader");
+    }
+
+    #[test]
+    fn geometry_has_the_first_name() {
+        let list = |names: &[&str]| names.iter().map(ToString::to_string).collect();
+        let names =
+            SceneNames { instances: list(&["chair", ""]), objects: list(&["wood"]), materials: vec![] };
+        assert_eq!(
+            [names.of_geometry(0, 0), names.of_geometry(1, 0), names.of_geometry(1, 7)],
+            ["chair", "wood", ""]
+        );
+    }
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Answers to `getattribute` about the camera of the picture and the names and numbers of a point's geometry.
+//! Source: names, types and conversions of the Open Shading Language.
+//! Tests: `tests/scripts/attributes.rs`.
+
+use gnurt_shading::{CameraProjection, CameraProperties, SurfaceBatch};
+use gnurt_sl::exec::Given;
+use gnurt_sl::hir::Data;
+use gnurt_sl::types::{Base, Type};
+
+/// Names of these attributes begin so.
+pub(crate) const CAMERA_PREFIX: &str = "camera:";
+
+/// A named value of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Value {
+    Ints(Vec<i32>),
+    Floats(Vec<f32>),
+    Text(&'static str),
+}
+
+/// An attribute of the camera.
+pub(crate) fn of_camera(camera: &CameraProperties, name: &str) -> Option<Value> {
+    let CameraProperties { resolution, projection, shutter, .. } = camera;
+    let (near, far) = (0.0, CameraProperties::FAR);
+    Some(match name.strip_prefix(CAMERA_PREFIX)? {
+        "resolution" => Value::Ints(resolution.map(|n| n as i32).to_vec()),
+        "pixelaspect" => Value::Floats(vec![1.0]),
+        "projection" => Value::Text(match (*projection)? {
+            CameraProjection::Perspective { .. } => "perspective",
+            CameraProjection::Parallel { .. } => "orthographic",
+            CameraProjection::Fisheye { .. } => "fisheye",
+            CameraProjection::Panorama => "panorama",
+        }),
+        "fov" => Value::Floats(vec![camera.fov()?]),
+        "clip_near" => Value::Floats(vec![near]),
+        "clip_far" => Value::Floats(vec![far]),
+        "clip" => Value::Floats(vec![near, far]),
+        "shutter_open" => Value::Floats(vec![shutter[0]]),
+        "shutter_close" => Value::Floats(vec![shutter[1]]),
+        "shutter" => Value::Floats(shutter.to_vec()),
+        "screen_window" => Value::Floats(camera.screen_window()?.to_vec()),
+        _ => return None,
+    })
+}
+
+/// A value as the destination's type has it; with an index, one element of an array. `None` if it has no such form.
+pub(crate) fn converted(value: &Value, index: Option<i32>, ty: Type) -> Option<Given> {
+    let (ints, floats) = match value {
+        Value::Text(text) => {
+            let fits = ty == Type::STRING && index.is_none();
+            return fits.then(|| Given::from(Data::Str(vec![(*text).into()])));
+        }
+        Value::Ints(list) => (Some(list), list.iter().map(|&x| x as f32).collect::<Vec<_>>()),
+        Value::Floats(list) => (None, list.clone()),
+    };
+    let element = |i: i32| usize::try_from(i).ok().filter(|&i| floats.len() > 1 && i < floats.len());
+    let range = match index {
+        Some(index) => element(index).map(|i| i..i + 1)?,
+        None => 0..floats.len(),
+    };
+    let is_triple = ty.base.is_triple();
+    let found = match (&floats[range.clone()], ty.array) {
+        ([x], 0) if is_triple => vec![*x; 3],
+        ([x], 0) => vec![*x],
+        ([x], 2) if !is_triple => vec![*x; 2],
+        ([x, y], 0) if is_triple && ints.is_none() => vec![*x, *y, 0.0],
+        (list, array) if !is_triple && usize::try_from(array).is_ok_and(|array| array == list.len()) => {
+            // Elements of arrays are not converted.
+            if (ty.base == Base::Int) != ints.is_some() {
+                return None;
+            }
+            list.to_vec()
+        }
+        _ => return None,
+    };
+    match (ty.base, ints) {
+        // Exactly, where they are given so.
+        (Base::Int, Some(ints)) => {
+            let exact = ints[range].iter().copied().cycle().take(found.len()).collect();
+            Some(Given::from(Data::Int(exact)))
+        }
+        (Base::Int, None) => Some(Given::from(Data::Int(found.iter().map(|&x| x as i32).collect()))),
+        (base, _) if base == Base::Float || is_triple => Some(Given::from(Data::Float(found))),
+        _ => None,
+    }
+}
+
+/// The kinds of parts that have a number, in the order of `AttributeRequest::IDS`.
+const PARTS: [&str; 4] = ["instance", "object", "material", "prim"];
+/// OSL's word for the name of the geometry.
+pub(crate) const GEOMETRY: &str = "geom:name";
+
+/// Whether a name is one of a part.
+pub(crate) fn is_of_part(name: &str) -> bool {
+    name == GEOMETRY || PARTS.contains(&name)
+}
+
+/// The number of a part as an int, or its name as a string. `ids` are the numbers of instance, object, material and
+/// primitive.
+pub(crate) fn of_part(hits: &SurfaceBatch, ids: [u32; 4], name: &str, ty: Type) -> Option<Given> {
+    let part = PARTS.iter().position(|part| *part == name);
+    if let (Some(part), true) = (part, ty == Type::INT) {
+        return Some(Given::from(Data::Int(vec![ids[part] as i32])));
+    }
+    let names = hits.names.as_ref().filter(|_| ty == Type::STRING)?;
+    let [instance, object, material, _] = ids;
+    let text = match part {
+        None if name == GEOMETRY => names.of_geometry(instance, object),
+        Some(0) => names.instances.get(instance as usize)?,
+        Some(1) => names.objects.get(object as usize)?,
+        Some(2) => names.materials.get(material as usize)?,
+        _ => return None,
+    };
+    Some(Given::from(Data::Str(vec![text.into()])))
+}
