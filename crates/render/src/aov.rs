@@ -14,6 +14,7 @@ use glam::Vec3;
 use gnurt_accel::INVALID_ID;
 use gnurt_shading::Vec3s;
 
+use crate::held::Held;
 use crate::state::{SavedState, put_f32, put_f64, put_u32};
 use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
 use crate::world::HitLanes;
@@ -104,7 +105,7 @@ impl TileAovs {
             sum[3] += 1.0;
         };
         let is_veiled = |lane: usize| tracer.veiled.get(lane).copied().unwrap_or(false);
-        let is_held = |lane: usize| tracer.held.get(lane).copied().unwrap_or(false);
+        let is_held = |lane: usize| Held::of(&tracer.held, lane).share >= 1.0;
         let is_missed =
             |&lane: &usize| is_held(lane) || (camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane));
         for lane in range.clone().filter(is_missed) {

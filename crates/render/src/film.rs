@@ -12,6 +12,7 @@ use gnurt_shading::Vec3s;
 
 use crate::aov::TileAovs;
 use crate::expressions::LightSums;
+use crate::held::Held;
 use crate::mattes::TileMattes;
 use crate::options::RenderOptions;
 use crate::piece::Piece;
@@ -115,11 +116,11 @@ impl TileFilm {
         blocks(self.rect).flat_map(rows)
     }
 
-    /// Adds one sample, that of `lanes`, to each pixel; media count as opaque in `veiled` lanes, and nothing does in `held` ones; returns how many of them were no numbers, and count as black.
+    /// Adds one sample, that of `lanes`, to each pixel; media count as opaque in `veiled` lanes, and holes take their share; returns how many of them were no numbers, and count as black.
     pub(crate) fn add_sample(
         &mut self,
         radiance: &Vec3s,
-        (hits, veiled, held): (&HitBatch, &[bool], &[bool]),
+        (hits, veiled, held): (&HitBatch, &[bool], &[Held]),
         lanes: Range<usize>,
     ) -> u64 {
         let mut bad = 0;
@@ -129,9 +130,8 @@ impl TileFilm {
             let good = Vec3::new(x, y, z).is_finite();
             bad += u64::from(!good);
             let is_veiled = veiled.get(lane).copied().unwrap_or(false);
-            let is_held = held.get(lane).copied().unwrap_or(false);
-            let covers = !is_held && (is_veiled || hits.prim_id[lane] != INVALID_ID);
-            let opacity = f32::from(u8::from(covers));
+            let covers = is_veiled || hits.prim_id[lane] != INVALID_ID;
+            let opacity = if covers { 1.0 - Held::of(held, lane).share } else { 0.0 };
             // Negative zeros become positive, as in sums.
             if good { [x + 0.0, y + 0.0, z + 0.0, opacity] } else { [0.0, 0.0, 0.0, opacity] }
         });

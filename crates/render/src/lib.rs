@@ -21,6 +21,7 @@ mod expressions;
 mod film;
 mod fingerprint;
 mod frame;
+mod held;
 mod holdouts;
 mod integrators;
 mod job;

@@ -22,6 +22,7 @@ use gnurt_shading::{
 use crate::camera_batch::CameraBatch;
 use crate::cone::{Cone, Cones};
 use crate::cost::TileCosts;
+use crate::held::Held;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
@@ -82,8 +83,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) direct: Vec3s,
     /// Lanes of the camera whose light a medium scattered before it met a surface; empty if there are no media.
     pub(crate) veiled: Vec<bool>,
-    /// Lanes of the camera that see a hole; empty if the world has none.
-    pub(crate) held: Vec<bool>,
+    /// What lanes of the camera see of holes; empty if the world has none.
+    pub(crate) held: Vec<Held>,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
     spare: Vec<Group>,
     /// Reused memory of the camera rays.

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Holdouts: holes in the picture as large as the thing, which mirrors and shadows still show.
 
+use std::sync::Arc;
+
 use crate::common::*;
 use gnurt_image::Picture;
-use gnurt_render::{Integrator, LightLayer, RenderOptions, Silent, render};
+use gnurt_render::{
+    CommitOptions, Integrator, LightLayer, RenderOptions, ShaderTable, Silent, World, render,
+};
 use gnurt_scene::material::{Alpha, Opacity, OpacityChannel};
-use gnurt_scene::{Affine, InstanceId, Material, Scene};
+use gnurt_scene::{Affine, InstanceId, Material, MaterialId, Scene, Surface};
+use gnurt_shading::bsdf::ClosureBatch;
+use gnurt_shading::{SurfaceBatch, SurfaceShader};
 
 /// A floor and a ball, behind a net that is there in part; the ball is a holdout.
 fn scene(is_held: bool, with_net: bool) -> Scene {
@@ -78,4 +84,53 @@ fn holes_are_seen_through_nets() {
         "a black net over nothing: {:?}",
         picture.color[middle]
     );
+}
+
+/// A grey surface that emits, and is a hole in this share.
+struct Holed(f32);
+
+impl SurfaceShader for Holed {
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        for i in 0..hits.len() {
+            out.emit(i, glam::Vec3::splat(0.5));
+            out.hold_out(i, self.0);
+        }
+    }
+
+    fn has_holes(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn closures_hold_out_their_share() {
+    for integrator in [Integrator::Path, Integrator::Whitted, Integrator::InstantRadiosity] {
+        for (share, net) in [(1.0, false), (0.25, false), (0.25, true)] {
+            let mut scene = scene(false, net);
+            // The material of the ball.
+            scene.edit_material(MaterialId(1)).surface = Surface::Shader(0);
+            let table = ShaderTable { surfaces: vec![Arc::new(Holed(share))], ..ShaderTable::default() };
+            let mut world = World::new();
+            world.commit(&scene, &table, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
+            let options = RenderOptions { integrator, ..options(40, 30, if net { 64 } else { 2 }) };
+            let view = camera([0.0, -5.0, 2.0], [0.0, 0.0, 0.6], 40.0);
+            let picture = render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture;
+            let [r, _, _, alpha] = picture.color[15 * 40 + 20];
+            if net && integrator != Integrator::Path {
+                // The net is the first hit.
+                assert_eq!(alpha, 1.0, "{integrator}");
+                continue;
+            }
+            // A black net is there in a quarter.
+            let behind = if net { 0.75 } else { 1.0 };
+            let tolerance = if net { 0.12 } else { 1e-6 };
+            assert!(
+                (alpha - (1.0 - share * behind)).abs() < tolerance,
+                "{integrator}, {share}: opacity {alpha}"
+            );
+            assert!((r - 0.5 * behind).abs() < tolerance, "{integrator}, {share}: its light, {r}");
+            let corner = picture.color[29 * 40 + 20];
+            assert_eq!(corner[3], 1.0, "{integrator}: the floor");
+        }
+    }
 }

@@ -119,6 +119,11 @@ pub trait SurfaceShader: Send + Sync {
         false
     }
 
+    /// Whether some point may leave a hole in the picture ([`ClosureBatch::hold_out`]).
+    fn has_holes(&self) -> bool {
+        false
+    }
+
     /// The medium behind it, if that is the same at all points: only then can it scatter light.
     fn interior(&self) -> Option<Interior> {
         None

@@ -36,8 +36,10 @@ pub(crate) enum Known {
     /// What lies behind the surface.
     AnisotropicVdf,
     MediumVdf,
-    /// Closures without an appearance.
-    Nothing,
+    /// A share of the surface that is a hole in the picture.
+    Holdout,
+    /// A colour for a layer, without an appearance.
+    Debug,
 }
 
 /// The counterparts of [`standard_closures`], by name.
@@ -54,8 +56,8 @@ const KNOWN: [(Known, &str); 29] = [
     (Known::Reflection, "reflection"),
     (Known::Refraction, "refraction"),
     (Known::Transparent, "transparent"),
-    (Known::Nothing, "debug"),
-    (Known::Nothing, "holdout"),
+    (Known::Debug, "debug"),
+    (Known::Holdout, "holdout"),
     (Known::Subsurface, "subsurface"),
     (Known::OrenNayarDiffuse, "oren_nayar_diffuse_bsdf"),
     (Known::Burley, "burley_diffuse_bsdf"),

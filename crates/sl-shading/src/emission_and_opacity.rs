@@ -21,6 +21,15 @@ pub(crate) struct EmissionAndOpacity {
     pub(crate) there: f32,
     /// Absorption coefficient behind the surface, 1 over world units.
     pub(crate) absorption: Vec3,
+    /// Share of that which it stops that is a hole in the picture.
+    pub(crate) held_out: f32,
+}
+
+impl Default for EmissionAndOpacity {
+    /// Those of a surface that stops all light and emits none.
+    fn default() -> Self {
+        Self { emission: Vec3::ZERO, there: 1.0, absorption: Vec3::ZERO, held_out: 0.0 }
+    }
 }
 
 impl EmissionAndOpacity {
@@ -47,13 +56,18 @@ impl EmissionAndOpacity {
         let emission = if emission.is_finite() { emission } else { Vec3::ZERO };
         let absorption = lights.absorption.get(lane);
         let absorption = if absorption.is_finite() { absorption } else { Vec3::ZERO };
-        Self { emission, there, absorption }
+        let held_out = lights.holdout.get(lane).element_sum() / 3.0;
+        let held_out = if there > 0.0 { (held_out / there).min(1.0) } else { 0.0 };
+        Self { emission, there, absorption, held_out }
     }
 
     /// Writes it for point `i`, seen from its front or from behind.
     pub(crate) fn write(self, i: usize, front: bool, out: &mut ClosureBatch) {
         if self.there < 1.0 {
             out.cover(i, self.there);
+        }
+        if self.held_out > 0.0 {
+            out.hold_out(i, self.held_out);
         }
         if self.emission != Vec3::ZERO {
             out.emit(i, self.emission);

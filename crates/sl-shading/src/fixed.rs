@@ -70,10 +70,9 @@ impl Fixed {
                 !flattened.is_cut() && flattened.lists.bent() == 0 && flattened.lights.radiance.some == 0;
             let Flattened { mut lists, lights, .. } = flattened;
             let (lobes, through) = (lists.lobes(0), lights.through.get(0));
-            let has_others = (lights.emission.some | lights.through.some | lights.absorption.some) != 0;
-            let emission_and_opacity = match has_others {
-                true => EmissionAndOpacity::of(&mut lists, &lights, 0),
-                false => EmissionAndOpacity { emission: Vec3::ZERO, there: 1.0, absorption: Vec3::ZERO },
+            let emission_and_opacity = match lights.beside_lobes() {
+                0 => EmissionAndOpacity::default(),
+                _ => EmissionAndOpacity::of(&mut lists, &lights, 0),
             };
             let interior = Interior {
                 absorption: emission_and_opacity.absorption,
@@ -271,7 +270,7 @@ impl<'p> Walk<'p> {
         let Some(index) = all().0.iter().position(|decl| *decl.name == *name) else { return false };
         let shape = &self.shapes[index];
         let normal = match shape.known {
-            Known::Layer | Known::Nothing | Known::AnisotropicVdf | Known::MediumVdf => None,
+            Known::Layer | Known::Holdout | Known::Debug | Known::AnisotropicVdf | Known::MediumVdf => None,
             Known::Emission | Known::UniformEdf | Known::Transparent => None,
             Known::Radiance => return false,
             _ => match shape.normal() {

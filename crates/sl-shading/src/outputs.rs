@@ -1,30 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Output parameters of surface shaders as values for layers of pictures.
+//! Output parameters and `debug` closures of surface shaders as values for layers of pictures.
 //! Each requested output is a program of its own, compiled at its first use, without the work for other outputs.
-//! Names are those of OSL's renderers: an output of the last layer that has it, or `layer.output`.
+//! Names are those of OSL's renderers: an output of the last layer that has it, or `layer.output`; or the tag of `debug`
+//! closures, whose weights are added to an output of the same name.
 //! Tests: `tests/scripts/outputs.rs`.
 
 use std::sync::OnceLock;
 
 use glam::Vec3;
+use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{OutputKind, ShaderOutput, SurfaceBatch, Vec3s};
 use gnurt_sl::exec::LANES;
 use gnurt_sl::group::Group;
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::{Base, Type};
 
+use crate::parts::Flattened;
 use crate::surface_state::{Caller, points};
 use crate::world::{Common, World, vector};
 
-type Make = dyn Fn(&str) -> Option<Common> + Send + Sync;
+type Make = dyn Fn(&Wanted) -> Option<Made> + Send + Sync;
+
+/// The program of an output.
+pub(crate) struct Made {
+    pub(crate) common: Common,
+    /// The number of its name among the texts, if `debug` closures have it as their tag.
+    pub(crate) tag: Option<u32>,
+}
+
+/// A layer's value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Wanted {
+    pub(crate) name: String,
+    /// Whether there is an output parameter of this name.
+    pub(crate) is_parameter: bool,
+    /// Whether there are `debug` closures of this name.
+    pub(crate) is_tag: bool,
+}
 
 /// The outputs of a shader.
 pub(crate) struct Outputs {
     pub(crate) all: Vec<ShaderOutput>,
     /// Compiles the program of an output.
     make: Box<Make>,
+    /// By output.
+    wanted: Vec<Wanted>,
     /// By output; `None` where it could not be compiled.
-    made: Vec<OnceLock<Option<Common>>>,
+    made: Vec<OnceLock<Option<Made>>>,
 }
 
 /// The form of a type that layers can hold.
@@ -61,30 +83,55 @@ fn listed(group: &Group) -> Vec<ShaderOutput> {
 }
 
 impl Outputs {
-    /// Those of a group; `make` compiles the program of one.
-    pub(crate) fn of(group: &Group, make: Box<Make>) -> Self {
-        let all = listed(group);
+    /// Those of a group, and its `debug` closures' by tag; `make` compiles the program of one.
+    pub(crate) fn of(group: &Group, tags: &[String], make: Box<Make>) -> Self {
+        let mut all = listed(group);
+        let wanted =
+            |output: &ShaderOutput| Wanted { name: output.name.clone(), is_parameter: true, is_tag: false };
+        let mut wanted: Vec<Wanted> = all.iter().map(wanted).collect();
+        for name in tags {
+            match wanted.iter().position(|wanted| wanted.name == *name) {
+                Some(known) => {
+                    wanted[known].is_tag = true;
+                    all[known].kind = all[known].kind.max(OutputKind::Color);
+                }
+                None => {
+                    wanted.push(Wanted { name: name.clone(), is_parameter: false, is_tag: true });
+                    all.push(ShaderOutput { name: name.clone(), kind: OutputKind::Color });
+                }
+            }
+        }
         let made = all.iter().map(|_| OnceLock::new()).collect();
-        Self { all, make, made }
+        Self { all, make, wanted, made }
     }
 
     /// Writes an output of all points.
     pub(crate) fn write(&self, name: &str, hits: &SurfaceBatch, out: &mut Vec3s) {
         let Some(number) = self.all.iter().position(|output| output.name == name) else { return };
-        let Some(common) = self.made[number].get_or_init(|| (self.make)(name)) else { return };
-        let Some(row) = common.row(name) else { return };
-        let kind = self.all[number].kind;
+        let wanted = &self.wanted[number];
+        let Some(made) = self.made[number].get_or_init(|| (self.make)(wanted)) else { return };
+        let common = &made.common;
+        let row = if wanted.is_parameter { common.row(name) } else { None };
+        let is_number = common.is_number(name);
         let world = World::around(common, hits, None);
+        let mut closures = ClosureBatch::default();
+        closures.reset(LANES);
         common.with_scratch(|scratch| {
             for first in (0..hits.len()).step_by(LANES) {
                 points(hits, first, Caller::Rays, common.needs, &mut scratch.points);
                 common.run(&world, &scratch.points, &mut scratch.results);
+                let tagged = made.tag.map(|tag| {
+                    let to = (&mut closures, 0);
+                    let (points, results) = (&scratch.points, &scratch.results);
+                    Flattened::flatten_tagged(points, results, to, &mut scratch.open, Some(tag)).lights.debug
+                });
                 for lane in 0..LANES.min(hits.len() - first) {
-                    let value = match kind {
-                        OutputKind::Number => Vec3::splat(scratch.results.rows[row][lane]),
-                        OutputKind::Vector | OutputKind::Color => vector(&scratch.results, row, lane),
+                    let value = match row {
+                        None => Vec3::ZERO,
+                        Some(row) if is_number => Vec3::splat(scratch.results.rows[row][lane]),
+                        Some(row) => vector(&scratch.results, row, lane),
                     };
-                    out.set(first + lane, value);
+                    out.set(first + lane, value + tagged.map_or(Vec3::ZERO, |tagged| tagged.get(lane)));
                 }
             }
         });

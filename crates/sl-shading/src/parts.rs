@@ -67,12 +67,21 @@ pub(crate) struct Lights {
     pub(crate) scattering: Light,
     /// Mean cosine of the scattering of the last medium.
     pub(crate) anisotropy: f32,
+    /// Share of the surface that is a hole in the picture.
+    pub(crate) holdout: Light,
+    /// Sum of the weights of `debug` closures with the requested tag.
+    pub(crate) debug: Light,
 }
 
 impl Lights {
     /// Whether there are none.
     fn are_out(&self) -> bool {
-        (self.emission.some | self.through.some | self.radiance.some | self.absorption.some) == 0
+        self.beside_lobes() | self.radiance.some | self.debug.some == 0
+    }
+
+    /// Points with emission, transparency, an absorbing medium or a hole.
+    pub(crate) fn beside_lobes(&self) -> u32 {
+        self.emission.some | self.through.some | self.absorption.some | self.holdout.some
     }
 }
 
@@ -99,6 +108,8 @@ pub(crate) struct Flattened<'a> {
     shapes: &'static [Shape],
     open: &'a mut Vec<Open>,
     left: u32,
+    /// The number of the text whose `debug` closures are summed.
+    tag: Option<u32>,
     /// The points' shading normals as normals of lobes, if not all are zero; computed at first use.
     own: Option<Option<Rows>>,
 }
@@ -108,8 +119,19 @@ impl<'a> Flattened<'a> {
     pub(crate) fn flatten_lists(
         points: &'a Points,
         results: &'a Results,
+        to: (&'a mut ClosureBatch, usize),
+        open: &'a mut Vec<Open>,
+    ) -> Self {
+        Self::flatten_tagged(points, results, to, open, None)
+    }
+
+    /// The same, with the sum of the `debug` closures whose tag has this number among the texts.
+    pub(crate) fn flatten_tagged(
+        points: &'a Points,
+        results: &'a Results,
         (out, first): (&'a mut ClosureBatch, usize),
         open: &'a mut Vec<Open>,
+        tag: Option<u32>,
     ) -> Self {
         let mut this = Self {
             nodes: &results.closures,
@@ -119,6 +141,7 @@ impl<'a> Flattened<'a> {
             shapes: all().1,
             open,
             left: MOST_NODES,
+            tag,
             own: None,
         };
         let lanes = (1_u32 << points.count.min(LANES)) - 1;
@@ -189,6 +212,13 @@ impl<'a> Flattened<'a> {
 
     fn component(&mut self, part: &Part<'a>, lanes: u32, weight: &Rows, depth: u32) {
         let Some(shape) = self.shapes.get(part.kind as usize) else { return };
+        if shape.known == Known::Debug {
+            let has_tag = |i: &usize| Some(part.cells(shape.firsts[0]).at(*i)) == self.tag;
+            let tagged = lanes_of(lanes).filter(has_tag).fold(0, |bits, i| bits | 1 << i);
+            let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+            self.lights.debug.add(tagged, |i| column(weight, i).to_array().map(finite).into());
+            return;
+        }
         let mut retained = Rows::default();
         let mut heaviest = Row::default();
         for (retained, weight) in retained.iter_mut().zip(weight) {
@@ -215,7 +245,8 @@ impl<'a> Flattened<'a> {
             }
             Known::Layer => self.layer(part, lanes, weight, depth),
             Known::AnisotropicVdf | Known::MediumVdf => self.medium(shape, part, lanes, weight),
-            Known::Nothing => {}
+            Known::Holdout => self.lights.holdout.add(lanes, |i| column(weight, i)),
+            Known::Debug => {}
             _ => self.scatter(shape, part, lanes, weight),
         }
     }
@@ -253,6 +284,8 @@ impl<'a> Flattened<'a> {
         self.lights.radiance.add_times(lanes, &inner.radiance, weight);
         self.lights.absorption.add_times(lanes, &inner.absorption, weight);
         self.lights.scattering.add_times(lanes, &inner.scattering, weight);
+        self.lights.holdout.add_times(lanes, &inner.holdout, weight);
+        self.lights.debug.add_times(lanes, &inner.debug, weight);
         if inner.absorption.some != 0 {
             self.lights.anisotropy = inner.anisotropy;
         }

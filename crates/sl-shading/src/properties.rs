@@ -23,6 +23,8 @@ pub(crate) struct Properties {
     pub(crate) is_glass: bool,
     /// There may be a medium behind it.
     pub(crate) has_medium: bool,
+    /// It may leave holes in the picture.
+    pub(crate) has_holes: bool,
     /// It gives off light.
     pub(crate) is_light: bool,
     /// It computes its radiance by its own rays and light loops.
@@ -32,19 +34,29 @@ pub(crate) struct Properties {
 impl Properties {
     /// Of a group.
     pub(crate) fn of(plan: &Plan, colors: &ColorSystem) -> Self {
-        let host = Nobody(colors);
-        let mut reader = Reader {
-            properties: Self::default(),
-            plan,
-            machine: Machine::new(plan, &host),
-            known: HashSet::new(),
-        };
-        for (number, layer) in plan.layers.iter().enumerate() {
-            layer.params.iter().for_each(|param| reader.block(number, &param.init, true));
-            reader.block(number, &layer.code, false);
-        }
-        reader.properties
+        read(plan, colors).0
     }
+}
+
+/// The tags of a group's `debug` closures that are known beforehand.
+pub(crate) fn debug_tags(plan: &Plan, colors: &ColorSystem) -> Vec<String> {
+    read(plan, colors).1
+}
+
+fn read(plan: &Plan, colors: &ColorSystem) -> (Properties, Vec<String>) {
+    let host = Nobody(colors);
+    let mut reader = Reader {
+        properties: Properties::default(),
+        plan,
+        machine: Machine::new(plan, &host),
+        known: HashSet::new(),
+        tags: Vec::new(),
+    };
+    for (number, layer) in plan.layers.iter().enumerate() {
+        layer.params.iter().for_each(|param| reader.block(number, &param.init, true));
+        reader.block(number, &layer.code, false);
+    }
+    (reader.properties, reader.tags)
 }
 
 /// A world without anything but closures.
@@ -67,6 +79,8 @@ struct Reader<'a> {
     machine: Machine<'a>,
     /// First cells of the evaluated values.
     known: HashSet<u32>,
+    /// Tags of `debug` closures.
+    tags: Vec<String>,
 }
 
 impl Reader<'_> {
@@ -112,7 +126,7 @@ impl Reader<'_> {
     }
 
     fn closure(&mut self, number: usize, step: &Step) {
-        let Self { plan, machine, known, properties } = self;
+        let Self { plan, machine, known, properties, tags } = self;
         let (layer, cells) = (&plan.layers[number], &*machine.cells());
         let bits_of = |i: usize, k: usize| {
             let (slot, id) = (step.args.get(i)?, *step.symbols.get(i)?);
@@ -129,6 +143,7 @@ impl Reader<'_> {
                 is_holey: true,
                 is_glass: true,
                 has_medium: true,
+                has_holes: true,
                 is_light: true,
                 ..*properties
             };
@@ -148,6 +163,15 @@ impl Reader<'_> {
         let is_dull = |x: usize, y: usize| [x, y].iter().any(|&i| number(i, 0).is_some_and(|x| x >= SMOOTH));
         match shapes[index].known {
             Known::AnisotropicVdf | Known::MediumVdf => properties.has_medium = true,
+            Known::Holdout => properties.has_holes = true,
+            Known::Debug => {
+                if let Some((Base::String, tag)) = bits_of(2, 0) {
+                    let tag = plan.strings.text(tag).to_string();
+                    if !tags.contains(&tag) {
+                        tags.push(tag);
+                    }
+                }
+            }
             Known::Transparent => properties.is_holey = true,
             Known::Emission | Known::UniformEdf => properties.is_light = true,
             Known::Radiance => properties.is_radiance = true,

@@ -34,10 +34,10 @@ use crate::library;
 use crate::light::ScriptLight;
 use crate::live::Live;
 use crate::mtlx;
-use crate::outputs::Outputs;
+use crate::outputs::{Made, Outputs, Wanted};
 use crate::parameter::{self, Parameter, ParameterValue};
 use crate::pixel::{self, ScriptPixel};
-use crate::properties::Properties;
+use crate::properties::{Properties, debug_tags};
 use crate::sky::ScriptSky;
 use crate::surface::ScriptSurface;
 use crate::surface_state::{CAMERA, DIFFUSE, Needs};
@@ -385,11 +385,19 @@ impl Script {
             None => self.compiled(&group, &plan)?,
         };
         let script = self.clone();
-        let make = move |output: &str| {
-            let made = script.common(&script.group, &[output]);
+        let closed = group.into_owned();
+        let tags = debug_tags(&plan, &colors()?);
+        let make = move |wanted: &Wanted| {
+            // Without the closures where they are not needed.
+            let group = if wanted.is_tag { &closed } else { &script.group };
+            let parameter = Some(&wanted.name[..]).filter(|_| wanted.is_parameter);
+            let made = script.plan(group, parameter.as_slice()).and_then(|plan| {
+                let tag = plan.strings.find(&wanted.name).filter(|_| wanted.is_tag);
+                Ok(Made { common: script.compiled(group, &plan)?, tag })
+            });
             made.map_err(|why| script.faults.note(&why)).ok()
         };
-        let outputs = Outputs::of(&self.group, Box::new(make));
+        let outputs = Outputs::of(&self.group, &tags, Box::new(make));
         Ok(Arc::new(ScriptSurface { common, fixed, outputs }))
     }
 

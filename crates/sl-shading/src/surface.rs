@@ -97,7 +97,7 @@ impl ScriptSurface {
     ) {
         let Flattened { mut lists, lights, points, .. } = flattened;
         let count = LANES.min(hits.len() - first);
-        for lane in lanes_of(lights.emission.some | lights.through.some | lights.absorption.some) {
+        for lane in lanes_of(lights.beside_lobes()) {
             emission_and_opacity.push((first + lane, EmissionAndOpacity::of(&mut lists, &lights, lane)));
         }
         lists.face_all(&points.n);
@@ -152,6 +152,10 @@ impl SurfaceShader for ScriptSurface {
 
     fn has_medium(&self) -> bool {
         self.common.properties.has_medium
+    }
+
+    fn has_holes(&self) -> bool {
+        self.common.properties.has_holes
     }
 
     fn interior(&self) -> Option<Interior> {

@@ -70,6 +70,11 @@ impl Common {
         self.program.retained().iter().find(|retained| retained.name == name).map(|retained| retained.row)
     }
 
+    /// Whether a stored value is a number.
+    pub(crate) fn is_number(&self, name: &str) -> bool {
+        self.program.retained().iter().any(|retained| retained.name == name && retained.ty.size() == 1)
+    }
+
     /// Lends unused memory. Its former contents belong to the same shader.
     pub(crate) fn with_scratch(&self, with: impl FnOnce(&mut Scratch)) {
         let retained = self.scratch.lock().ok().and_then(|mut list| list.pop());

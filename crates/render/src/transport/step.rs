@@ -21,6 +21,7 @@ use super::width::Width;
 use super::{add, opacity, roulette};
 use crate::cone::{ConeHit, fineness};
 use crate::expressions::{Ledger, Lobe, Scatter};
+use crate::held::Held;
 use crate::options::RenderOptions;
 use crate::world::{HitLanes, World};
 
@@ -56,8 +57,8 @@ pub(crate) struct Onward<'a> {
     pub(crate) ledger: Option<&'a mut Ledger>,
     /// Notes where paths were scattered, if some lights do not reach everything.
     pub(crate) linked: Option<&'a mut LinkedPaths>,
-    /// Lanes of the camera that see a hole, if the world has holdouts.
-    pub(crate) held: Option<&'a mut Vec<bool>>,
+    /// What lanes of the camera see of holes, if the world has holdouts.
+    pub(crate) held: Option<&'a mut Vec<Held>>,
 }
 
 impl Met<'_> {
@@ -92,15 +93,17 @@ impl Met<'_> {
         }
     }
 
-    /// Whether the path at point `k` comes straight from the camera and sees a hole, which it may pass.
+    /// Whether the path at point `k` comes straight from the camera and sees an instance that is a hole, which it may
+    /// pass. Holes by closures take coverage only.
     fn is_held_out(&self, k: usize, passes: bool, onward: &mut Onward) -> bool {
         let path = self.path(k);
         let is_one = is_hole(self.world, path.edges, self.points.inst_id[k]);
-        if is_one
+        let share = if path.edges == 1 { self.closures.held_out(k) } else { 0.0 };
+        if (is_one || share > 0.0)
             && !passes
             && let Some(held) = onward.held.as_mut().and_then(|held| held.get_mut(path.lane as usize))
         {
-            *held = true;
+            *held = if is_one { Held::ALL } else { Held { share, is_dark: false } };
         }
         is_one
     }

@@ -25,6 +25,7 @@ pub(crate) struct MaterialEntry {
     has_medium: bool,
     pub(crate) is_clear: bool,
     reads_widths: bool,
+    has_holes: bool,
     /// The shader of the table that it shows.
     from_table: Option<Arc<dyn SurfaceShader>>,
 }
@@ -46,6 +47,8 @@ pub(crate) struct MaterialTable {
     clear: usize,
     /// The number of materials that read the width of cones.
     reading: usize,
+    /// The number that may leave holes in the picture.
+    holding: usize,
     textures: Textures,
 }
 
@@ -88,6 +91,11 @@ impl MaterialTable {
     /// Whether some surface may be smooth glass, through which light samples search for lights.
     pub(crate) fn has_panes(&self) -> bool {
         self.clear > 0
+    }
+
+    /// Whether some surface may leave holes in the picture.
+    pub(crate) fn have_holes(&self) -> bool {
+        self.holding > 0
     }
 
     /// Whether some surface reads the width of ray cones. Otherwise widths need not be computed.
@@ -139,6 +147,7 @@ impl MaterialTable {
             self.filled = count(|entry| !entry.has_medium, self.filled);
             self.clear = count(|entry| !entry.is_clear, self.clear);
             self.reading = count(|entry| !entry.reads_widths, self.reading);
+            self.holding = count(|entry| !entry.has_holes, self.holding);
             let listed = self.from_table.binary_search_by_key(&id, |&(material, _)| material);
             let number = now.from_table.as_ref().and(number_of(scene, id));
             match (listed, number) {
@@ -194,6 +203,7 @@ fn entry(
         is_solid: shader.is_solid(),
         has_medium: shader.has_medium(),
         is_clear: shader.is_clear(),
+        has_holes: shader.has_holes(),
         reads_widths: reads_kinds || materials::textures_of(material).next().is_some(),
         emitter,
         from_table,

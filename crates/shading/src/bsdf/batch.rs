@@ -64,6 +64,8 @@ pub struct ClosureBatch {
     is_partly_transparent: bool,
     /// The media beside the points; empty if there are none.
     media: Vec<Medium>,
+    /// The points' shares of a hole; empty if there is none.
+    held_out: Vec<f32>,
 }
 
 /// Those of [`LobeRows`].
@@ -189,6 +191,7 @@ impl ClosureBatch {
         self.len = n;
         (self.emits, self.is_partly_transparent) = (false, false);
         self.media.clear();
+        self.held_out.clear();
         let blocks = n.div_ceil(LANES);
         if self.blocks.len() < blocks {
             self.blocks.resize(blocks, Block::default());
@@ -295,6 +298,24 @@ impl ClosureBatch {
                 row.0[i % LANES] *= share;
             }
         }
+    }
+
+    /// Makes this share, in [0, 1], of what point `i` stops a hole in the picture: camera rays count it as not covered.
+    pub fn hold_out(&mut self, i: usize, share: f32) {
+        self.held_out.resize(self.len, 0.0);
+        self.held_out[i] = share.clamp(0.0, 1.0);
+    }
+
+    /// Whether some point may be a hole.
+    #[must_use]
+    pub fn has_holes(&self) -> bool {
+        !self.held_out.is_empty()
+    }
+
+    /// The share of point `i` that is a hole.
+    #[must_use]
+    pub fn held_out(&self, i: usize) -> f32 {
+        self.held_out.get(i).copied().unwrap_or(0.0)
     }
 
     /// Sets the media beside point `i`.

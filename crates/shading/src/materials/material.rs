@@ -76,6 +76,10 @@ impl SurfaceShader for Material {
         self.surface.has_medium()
     }
 
+    fn has_holes(&self) -> bool {
+        self.surface.has_holes()
+    }
+
     fn is_clear(&self) -> bool {
         self.surface.is_clear()
     }

@@ -327,3 +327,31 @@ fn surface_shaders_of_materialx_are_taken_as_ci() {
     assert_eq!((point.emission, point.coverage), (Vec3::splat(0.75), 0.25), "opacity weighs it");
     assert_eq!(point.bsdf.lobes().as_slice().len(), 1);
 }
+
+#[test]
+fn holdouts_are_shares_of_the_opaque_part() {
+    for (closures, opacity, hole) in [
+        ("holdout ()", 1.0, 1.0),
+        ("0.25 * holdout () + 0.75 * diffuse (N)", 1.0, 0.25),
+        ("color (0.3, 0, 0) * holdout ()", 1.0, 0.1),
+        ("0.5 * transparent () + 0.5 * holdout ()", 0.5, 1.0),
+        ("0.5 * transparent () + 0.125 * holdout () + 0.375 * diffuse (N)", 0.5, 0.25),
+        ("layer (sheen_bsdf (N, color (0), 0.5), 0.5 * holdout ())", 1.0, 0.5),
+        ("7 * holdout ()", 1.0, 1.0),
+        ("-1 * holdout () + diffuse (N)", 1.0, 0.0),
+        ("diffuse (N)", 1.0, 0.0),
+    ] {
+        // Constant, and computed for each point.
+        for of in ["", " + 0 * u * diffuse (N)"] {
+            let shader = surface(&format!("Ci = {closures}{of};"));
+            let mut out = ClosureBatch::default();
+            out.reset(3);
+            shader.evaluate(&floor(3), &mut out);
+            let is_holed = closures.contains("holdout");
+            assert_eq!(shader.has_holes(), is_holed, "{closures}");
+            assert!((out.coverage(2) - opacity).abs() < 1e-6, "{closures}{of}: opacity {}", out.coverage(2));
+            assert!((out.held_out(2) - hole).abs() < 1e-6, "{closures}{of}: a hole of {}", out.held_out(2));
+            assert_eq!(out.emission(2), Vec3::ZERO, "{closures}{of}: no light");
+        }
+    }
+}

@@ -77,3 +77,49 @@ fn layers_of_groups_have_outputs() {
     }
     assert!(script.faults().is_empty(), "{:?}", script.faults());
 }
+
+#[test]
+fn debug_closures_are_outputs() {
+    let script = script(
+        "surface s (string part = \"rust\", output color both = color (1, 0, 0), output float plain = 3) {
+            closure color c = u * debug (\"ramp\") + color (-1, 0, 2) * debug (part) + 0.5 * diffuse (N);
+            if (u > 3) c += 2 * debug (\"ramp\");
+            c = layer (0.25 * debug (\"under\") + 0 * sheen_bsdf (N, color (1), 0.5), c);
+            string unknown = u > 1 ? \"ramp\" : \"nobody\";
+            both = 4; plain = u; Ci = 0.5 * c + debug (\"both\") + 10 * debug (unknown); }",
+    );
+    let shader = script.surface().expect("a surface");
+    let all: Vec<(&str, OutputKind)> =
+        shader.outputs().iter().map(|output| (&output.name[..], output.kind)).collect();
+    let color = OutputKind::Color;
+    let expected =
+        [("both", color), ("plain", OutputKind::Number), ("ramp", color), ("rust", color), ("under", color)];
+    let mut sorted = all.clone();
+    sorted.sort_by_key(|(name, _)| *name);
+    assert_eq!(sorted, expected, "tags that are known beforehand");
+    for i in [0_usize, 2, 4, 36] {
+        let u = i as f32;
+        // A tag that is computed adds to the known one.
+        let more = if u > 1.0 { 10.0 } else { 0.0 };
+        let ramp = 0.5 * (u + if u > 3.0 { 2.0 } else { 0.0 }) + more;
+        for (name, value) in [
+            ("ramp", Vec3::splat(ramp)),
+            ("rust", Vec3::new(-0.5, 0.0, 1.0)),
+            ("under", Vec3::splat(0.125)),
+            ("both", Vec3::splat(5.0)),
+            ("plain", Vec3::splat(u)),
+            ("nobody", Vec3::ZERO),
+        ] {
+            assert!(
+                (values(&*shader, name)[i] - value).length() < 1e-5,
+                "{name}, point {i}: {}",
+                values(&*shader, name)[i]
+            );
+        }
+    }
+    // They add no light.
+    let mut out = gnurt_shading::bsdf::ClosureBatch::default();
+    out.reset(37);
+    shader.evaluate(&floor(37), &mut out);
+    assert_eq!(out.emission(9), Vec3::ZERO);
+}

@@ -45,6 +45,12 @@ impl Strings {
         number
     }
 
+    /// The number of a text that has one.
+    #[must_use]
+    pub fn find(&self, text: &str) -> Option<u32> {
+        self.numbers.get(text).copied()
+    }
+
     /// The text of a number.
     #[must_use]
     pub fn text(&self, number: u32) -> &Arc<str> {
