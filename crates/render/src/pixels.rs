@@ -6,7 +6,7 @@
 //! for directly visible light, which becomes unknown.
 //! Space: world. Tests: crates/render/tests/pixels.rs.
 
-use gnurt_accel::{Coherence, RayBatch};
+use gnurt_accel::RayBatch;
 use gnurt_scene::RayMask;
 use gnurt_shading::{
     CameraSamples, LightBatch, PixelSamples, RayRequest, SampleKey, SurfaceBatch, SurfaceHit, Tracer, Vec3s,
@@ -16,6 +16,7 @@ use crate::camera_batch::CameraBatch;
 use crate::integrators;
 use crate::job::Job;
 use crate::many_lights::PassLights;
+use crate::restricted::closest_hits;
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
 
@@ -75,6 +76,10 @@ impl Tracer for Looking<'_, '_> {
         self.tracer.illuminate(light, hits, out);
     }
 
+    fn illuminate_in(&mut self, category: &str, light: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
+        self.tracer.illuminate_in(category, light, hits, out);
+    }
+
     fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
         self.tracer.occluded(request, transmittance);
     }
@@ -82,7 +87,7 @@ impl Tracer for Looking<'_, '_> {
     fn trace(&mut self, _: u32, request: &RayRequest, radiance: &mut Vec3s) {
         let (tracer, RayRequest { rays, key: keys, .. }) = (&mut *self.tracer, request);
         tracer.stats.camera_rays += rays.len() as u64;
-        let hits = &tracer.intersect(RayMask::CAMERA, rays, keys, Coherence::Incoherent);
+        let hits = &closest_hits(tracer, RayMask::CAMERA, request);
         if let Some(log) = &mut tracer.log {
             log.rays(0, rays, hits);
         }

@@ -33,6 +33,7 @@ mod persistent_lights;
 mod pixels;
 mod ray_masks;
 mod references;
+mod restricted;
 mod scene_queries;
 mod shader_emission;
 mod shader_lights;

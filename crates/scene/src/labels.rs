@@ -29,6 +29,8 @@ pub struct Labels {
     pub light_groups: BTreeMap<Shining, String>,
     /// Instances that leave a hole in the picture: camera rays see nothing there, other rays see them.
     pub holdouts: BTreeSet<InstanceId>,
+    /// Sets of instances by name that rays of shaders may be restricted to (`traceset`).
+    pub trace_sets: BTreeMap<String, BTreeSet<InstanceId>>,
     /// Lights that do not light everything, or whose light not everything stops.
     pub light_links: BTreeMap<Shining, LightLinks>,
 }
@@ -53,6 +55,9 @@ pub enum Shining {
     Instance(InstanceId),
 }
 
+/// Names of trace sets: at most so long.
+const LONGEST_SET: usize = 100;
+
 /// Longest name of a light group.
 const LONGEST_GROUP: usize = 100;
 
@@ -64,6 +69,34 @@ impl Labels {
         if !name.is_empty() {
             self.light_groups.insert(shining, name);
         }
+    }
+
+    /// Adds an instance to sets by their names between commas.
+    ///
+    /// # Errors
+    /// A name is longer than 100 bytes, begins with `-`, or has other characters than letters, digits, `_`, `-`, `.` and
+    /// spaces. Nothing is added then.
+    pub fn add_to_trace_sets(&mut self, instance: InstanceId, names: &str) -> Result<(), String> {
+        let is_fine = |c: char| c.is_alphanumeric() || "_-. ".contains(c);
+        let names: Vec<&str> = names.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+        let is_wrong =
+            |name: &&&str| name.len() > LONGEST_SET || name.starts_with('-') || !name.chars().all(is_fine);
+        if let Some(name) = names.iter().find(is_wrong) {
+            return Err(format!(
+                "invalid name of a trace set '{name}'; give letters, digits, _ . and spaces, and - within"
+            ));
+        }
+        for name in names {
+            self.trace_sets.entry(name.to_owned()).or_default().insert(instance);
+        }
+        Ok(())
+    }
+
+    /// The names of the sets of an instance, ascending.
+    #[must_use]
+    pub fn trace_sets_of(&self, instance: InstanceId) -> Vec<&str> {
+        let of = self.trace_sets.iter().filter(|(_, set)| set.contains(&instance));
+        of.map(|(name, _)| name.as_str()).collect()
     }
 
     /// The names of all light groups, each once, ascending.

@@ -20,7 +20,8 @@ use crate::scene::Scene;
 ///   channel and keeps the colour; three numbers set the channels; `*` before a number multiplies by it. The unit is the
 ///   light's own (W/sr, W/m² or radiance).
 ///   `materials.NAME.emission` takes the same forms.
-/// * `instances.NAME.visible`: `true` or `false`; `instances.NAME.holdout`: whether it leaves a hole in the picture.
+/// * `instances.NAME.visible`: `true` or `false`; `instances.NAME.holdout`: whether it leaves a hole in the picture;
+///   `instances.NAME.traceset`: names of sets that it is added to, between commas.
 /// * `group` of lights, materials and instances: the light group of what they give off; any name.
 /// * `link` and `shadow_link` of the same: names of the instances that their light reaches, and that stop it, between commas;
 ///   `none`, or `^` before the names for all others.
@@ -112,6 +113,7 @@ impl Override {
         match &self.field[..] {
             "group" => return self.put_into_group(&places, scene),
             "holdout" if self.list == List::Instances => return self.hold_out(&places, scene),
+            "traceset" if self.list == List::Instances => return self.add_to_trace_sets(&places, scene),
             "link" => return self.link(&places, LinkKind::Lit, scene),
             "shadow_link" => return self.link(&places, LinkKind::Shadows, scene),
             _ => {}
@@ -199,6 +201,12 @@ impl Override {
             }
         }
         Ok(())
+    }
+
+    fn add_to_trace_sets(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
+        let add = |id: &u32| scene.labels_mut().add_to_trace_sets(InstanceId(*id), &self.value);
+        let added: Result<(), String> = places.iter().try_for_each(add);
+        added.map_err(|why| format!("instances.{}.traceset: {why}", self.name))
     }
 
     /// Links lights to instances by names between commas; `^` before the first means all but these.

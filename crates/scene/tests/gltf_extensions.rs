@@ -158,3 +158,33 @@ fn extras_put_lights_into_groups() {
     let again = FORMATS.load(&path, &LoadOptions::default()).expect("its own file");
     assert_eq!(again.scene.labels().light_groups, labels.light_groups, "written and read");
 }
+
+#[test]
+fn extras_put_instances_into_trace_sets() {
+    use gnurt_scene::InstanceId;
+    use gnurt_scene::overrides::Override;
+
+    let loaded = load(
+        r#""materials":[{}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+"nodes":[{"mesh":0,"name":"a","extras":{"traceset":"props, walls"}},{"mesh":0,"name":"b","extras":{"traceset":"walls"}},
+{"mesh":0,"name":"c","extras":{"traceset":7}},{"mesh":0,"name":"d","extras":{"traceset":"ok,-not"}}]"#,
+    );
+    let mut scene = loaded.scene;
+    let sets = |scene: &gnurt_scene::Scene| {
+        [0, 1, 2, 3].map(|id| scene.labels().trace_sets_of(InstanceId(id)).join("+"))
+    };
+    assert_eq!(sets(&scene), ["props+walls", "walls", "", ""], "all of a faulty list is left out");
+    let text = format!("{:?}", loaded.warnings);
+    assert!(text.contains("c: extras.traceset: 7 is not a text"), "{text}");
+    assert!(text.contains("d: extras.traceset: invalid name of a trace set '-not'"), "{text}");
+    let set = |text: &str| Override::parse(text).expect("a change");
+    set("instances.c.traceset=props").apply(&mut scene).expect("a name");
+    assert_eq!(sets(&scene), ["props+walls", "walls", "props", ""], "by an option");
+    let why = set("instances.c.traceset=a/b").apply(&mut scene).expect_err("no name");
+    assert!(why.starts_with("instances.c.traceset: invalid name of a trace set 'a/b'"), "{why}");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("t.glb");
+    FORMATS.save(&scene, &path).expect("it is saved");
+    let again = FORMATS.load(&path, &LoadOptions::default()).expect("its own file");
+    assert_eq!(again.scene.labels().trace_sets, scene.labels().trace_sets, "written and read");
+}

@@ -4,6 +4,8 @@
 //! Space: the screen window has y up; its unit is half of the picture's height, or world units of parallel rays.
 //! Tests: `tests`; crates/render/tests/scene_queries.rs.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::projective_camera::CameraProjection;
 
 /// The camera of a picture.
@@ -53,9 +55,34 @@ pub struct SceneNames {
     pub objects: Vec<String>,
     /// Of materials.
     pub materials: Vec<String>,
+    /// Sets of instances by name.
+    pub sets: BTreeMap<String, BTreeSet<u32>>,
+}
+
+/// Whether a name is that of a thing, or the last part of its path.
+fn is_name_of(name: &str, of: &str) -> bool {
+    !name.is_empty() && (of == name || of.rsplit('/').next() == Some(name))
 }
 
 impl SceneNames {
+    /// Whether rays that are restricted to a set hit an object of an instance: the set is one of [`sets`](Self::sets), or
+    /// the name of instances or objects. A `-` before the name means all others; the empty name means all.
+    #[must_use]
+    pub fn may_hit(&self, set: &str, instance: u32, object: u32) -> bool {
+        let is_in = |name: &str| {
+            let of = |list: &[String], number: u32| {
+                list.get(number as usize).is_some_and(|of| is_name_of(name, of))
+            };
+            self.sets.get(name).is_some_and(|set| set.contains(&instance))
+                || of(&self.instances, instance)
+                || of(&self.objects, object)
+        };
+        match set.strip_prefix('-') {
+            Some(excluded) => !is_in(excluded),
+            None => set.is_empty() || is_in(set),
+        }
+    }
+
     /// The name of the geometry of an instance and an object: the instance's, or the object's if that is empty.
     #[must_use]
     pub fn of_geometry(&self, instance: u32, object: u32) -> &str {
@@ -84,10 +111,36 @@ mod tests {
     }
 
     #[test]
+    fn sets_are_names_and_lists() {
+        let list = |names: &[&str]| names.iter().map(ToString::to_string).collect();
+        let names = SceneNames {
+            instances: list(&["/room/chair", "lamp", ""]),
+            objects: list(&["wood", "-odd"]),
+            sets: BTreeMap::from([("props".to_owned(), BTreeSet::from([1, 2]))]),
+            ..SceneNames::default()
+        };
+        let hit = |set: &str| [0, 1, 2].map(|instance| names.may_hit(set, instance, 1));
+        for (set, expected) in [
+            ("", [true, true, true]),
+            ("chair", [true, false, false]),
+            ("/room/chair", [true, false, false]),
+            ("room", [false, false, false]),
+            ("props", [false, true, true]),
+            ("-props", [true, false, false]),
+            ("-nothing", [true, true, true]),
+            ("-", [true, true, true]),
+            ("--odd", [false, false, false]),
+        ] {
+            assert_eq!(hit(set), expected, "'{set}'");
+        }
+        assert!(names.may_hit("wood", 1, 0) && !names.may_hit("wood", 1, 1), "names of objects");
+    }
+
+    #[test]
     fn geometry_has_the_first_name() {
         let list = |names: &[&str]| names.iter().map(ToString::to_string).collect();
         let names =
-            SceneNames { instances: list(&["chair", ""]), objects: list(&["wood"]), materials: vec![] };
+            SceneNames { instances: list(&["chair", ""]), objects: list(&["wood"]), ..SceneNames::default() };
         assert_eq!(
             [names.of_geometry(0, 0), names.of_geometry(1, 0), names.of_geometry(1, 7)],
             ["chair", "wood", ""]

@@ -5,6 +5,8 @@
 //! original. All calls take whole batches; implementations hold no mutable state and are called from many
 //! threads at once.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
 
@@ -44,7 +46,7 @@ impl AttributeRequest {
     pub const VELOCITY: &'static str = "gnurt:velocity";
 
     /// The name of the numbers of instance, object, material and primitive: four floats with the bits of these
-    /// integers. A request for them also fills `SurfaceBatch::names`.
+    /// integers. A request for them also fills `SurfaceBatch::names`, and lets rays be restricted to sets.
     pub const IDS: &'static str = "gnurt:ids";
 }
 
@@ -318,6 +320,11 @@ pub struct PixelSamples<'a> {
 
 /// A function of pixels: the last step between the radiance of camera rays and the picture.
 pub trait PixelShader: Send + Sync {
+    /// Whether it restricts rays to sets of objects.
+    fn needs_names(&self) -> bool {
+        false
+    }
+
     /// Writes the colour of each sample in place of its radiance; `out` has a lane for each ray, all zero.
     /// Rays that it requests from `tracer` are rays of the camera: `trace` takes a sample of the integrator
     /// along each.
@@ -344,6 +351,9 @@ pub struct RayRequest {
     pub width: Vec<f32>,
     /// Their kinds; empty = all are mirrored, or sent by a shader that follows them itself.
     pub kinds: Vec<RayKind>,
+    /// The set that they may hit, as of [`SceneNames::may_hit`](crate::SceneNames::may_hit); `None` = all. `occluded` does
+    /// not read it.
+    pub set: Option<Arc<str>>,
 }
 
 impl RayRequest {
@@ -356,12 +366,13 @@ impl RayRequest {
 
     /// Removes all rays.
     pub fn clear(&mut self) {
-        let Self { rays, parent, key, width, kinds } = self;
+        let Self { rays, parent, key, width, kinds, set } = self;
         rays.clear();
         parent.clear();
         key.clear();
         width.clear();
         kinds.clear();
+        *set = None;
     }
 }
 
@@ -398,6 +409,15 @@ pub trait Tracer {
     /// Queries light `light` for all points of `hits` (facing shading normals are used); `out` is reset
     /// first.
     fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch);
+
+    /// The same for the lights of a category only: a name or a group of lights, or all others if `-` is before it. The empty
+    /// category means all. The default has no categories.
+    fn illuminate_in(&mut self, category: &str, light: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
+        match category.is_empty() {
+            true => self.illuminate(light, hits, out),
+            false => out.reset(hits.len()),
+        }
+    }
 
     /// Writes for each ray the transmittance between its near and far end: 1 = unoccluded.
     fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s);

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 use gnurt_accel::Ray;
-use gnurt_shading::{PixelSamples, PixelShader, Tracer, Vec3s};
+use gnurt_shading::{AttributeRequest, PixelSamples, PixelShader, Tracer, Vec3s};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
 
@@ -51,6 +51,10 @@ fn point(samples: &PixelSamples, ray: &Ray, i: usize) -> Point {
 }
 
 impl PixelShader for ScriptPixel {
+    fn needs_names(&self) -> bool {
+        self.common.requests.iter().any(|request| request.name == AttributeRequest::IDS)
+    }
+
     fn show(&self, tracer: &mut dyn Tracer, samples: &PixelSamples, out: &mut Vec3s) {
         let Some(row) = self.common.row(SHOWN) else { return };
         let world = World::before(&self.common, samples, tracer);

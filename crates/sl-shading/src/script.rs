@@ -628,6 +628,11 @@ impl Script {
                             _ => {}
                         }
                     }
+                    // Rays that are restricted to sets, by a name that may be computed.
+                    Opcode::Trace => {
+                        let is_set = |&id: &u32| matches!(text(id), Some("traceset"));
+                        parts |= op.args.iter().any(is_set);
+                    }
                     // Names of what a ray has hit.
                     Opcode::GetMessage => {
                         parts |= op.args.last().is_some_and(|&id| shader.symbol(id).ty == Type::STRING);
@@ -663,7 +668,7 @@ impl Script {
                 query(attribute, components);
             }
         }
-        if parts && self.kind == Kind::Surface {
+        if parts && matches!(self.kind, Kind::Surface | Kind::Pixel) {
             query(AttributeRequest::IDS, 4);
         }
         if area && self.kind == Kind::Surface {

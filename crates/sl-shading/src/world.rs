@@ -117,7 +117,7 @@ pub(crate) struct World<'a> {
 struct Queries<'a> {
     tracer: &'a mut (dyn Tracer + 'a),
     /// Light and transmittance, by lights.
-    lights: HashMap<i32, (LightBatch, Option<Vec3s>)>,
+    lights: HashMap<(i32, String), (LightBatch, Option<Vec3s>)>,
     /// The number of rays that each point has traced.
     rays: Vec<u32>,
     /// The last ray of each point.
@@ -222,7 +222,9 @@ impl<'a> World<'a> {
         let of_camera = self.pixels.zip(usize::try_from(point.index).ok());
         if let Some((pixels, lane)) = of_camera.filter(|(pixels, lane)| *lane < pixels.rays.len()) {
             let own = pixels.rays.get(lane);
-            let is_whole = options.mindist <= own.t_near && options.maxdist >= own.t_far.min(1e30);
+            let is_whole = options.mindist <= own.t_near
+                && options.maxdist >= own.t_far.min(1e30)
+                && options.traceset.is_empty();
             if (own.org, own.dir) == (p, r) && is_whole {
                 return Some(own);
             }
@@ -249,12 +251,18 @@ impl<'a> World<'a> {
     }
 
     /// The ray as a request, and the tracer to send it.
-    fn request(&self, ray: Ray, point: &Point) -> Option<(RayRequest, std::cell::RefMut<'_, Queries<'a>>)> {
+    fn request(
+        &self,
+        ray: Ray,
+        set: &Arc<str>,
+        point: &Point,
+    ) -> Option<(RayRequest, std::cell::RefMut<'_, Queries<'a>>)> {
         let (lane, key, width) = self.asker(point)?;
         let mut queries = self.queries.as_ref()?.borrow_mut();
         let mut request = RayRequest::default();
         // The camera's own ray is not another one.
-        if self.own(&ray, lane).is_some() {
+        request.set = Some(set.clone()).filter(|set| !set.is_empty());
+        if self.own(&ray, &request.set, lane).is_some() {
             request.push(ray, lane, key);
         } else {
             queries.rays[lane] += 1;
@@ -265,8 +273,8 @@ impl<'a> World<'a> {
     }
 
     /// The known result of a camera ray: radiance, and distance; `None` for other rays.
-    fn own(&self, ray: &Ray, lane: usize) -> Option<(Vec3, f32)> {
-        let pixels = self.pixels?;
+    fn own(&self, ray: &Ray, set: &Option<Arc<str>>, lane: usize) -> Option<(Vec3, f32)> {
+        let pixels = self.pixels.filter(|_| set.is_none())?;
         let is_own = lane < pixels.rays.len() && pixels.rays.get(lane) == *ray;
         is_own.then(|| (pixels.radiance.get(lane), pixels.distances[lane]))
     }
@@ -384,9 +392,9 @@ impl Host for World<'_> {
 
     fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, options: &TraceOptions, point: &Point) -> bool {
         let Some(ray) = self.ray(p.value, r.value, options, point) else { return false };
-        let Some((request, mut queries)) = self.request(ray, point) else { return false };
+        let Some((request, mut queries)) = self.request(ray, &options.traceset, point) else { return false };
         let lane = request.parent[0] as usize;
-        let distance = match self.own(&ray, lane) {
+        let distance = match self.own(&ray, &request.set, lane) {
             Some((_, distance)) => distance,
             None => {
                 let mut found = Vec::new();
@@ -431,8 +439,10 @@ impl Host for World<'_> {
         point: &Point,
     ) -> [f32; 3] {
         let Some(ray) = self.ray(p.value, r.value, options, point) else { return [0.0; 3] };
-        let Some((request, mut queries)) = self.request(ray, point) else { return [0.0; 3] };
-        if let Some((radiance, _)) = self.own(&ray, request.parent[0] as usize) {
+        let Some((request, mut queries)) = self.request(ray, &options.traceset, point) else {
+            return [0.0; 3];
+        };
+        if let Some((radiance, _)) = self.own(&ray, &request.set, request.parent[0] as usize) {
             return radiance.to_array();
         }
         let mut incoming = Vec3s::default();
@@ -449,7 +459,7 @@ impl Host for World<'_> {
         &self,
         light: i32,
         p: [f32; 3],
-        _category: &str,
+        category: &str,
         shadowed: bool,
         point: &Point,
     ) -> Option<Arriving> {
@@ -461,12 +471,13 @@ impl Host for World<'_> {
         if Vec3::from(p) != hits.p.get(lane) {
             let mut single = hits.gather(&[lane as u32]);
             single.p.set(0, Vec3::from(p));
-            return arriving(&mut *queries.tracer, light, &single, 0, shadowed, &mut None);
+            return arriving(&mut *queries.tracer, (light, category), &single, 0, shadowed, &mut None);
         }
-        let mut known = queries.lights.remove(&light);
-        let found = arriving(&mut *queries.tracer, light, hits, lane, shadowed, &mut known);
+        let key = (light, category.to_owned());
+        let mut known = queries.lights.remove(&key);
+        let found = arriving(&mut *queries.tracer, (light, category), hits, lane, shadowed, &mut known);
         if let Some(known) = known {
-            queries.lights.insert(light, known);
+            queries.lights.insert(key, known);
         }
         found
     }
@@ -569,7 +580,7 @@ fn message_of(met: &SurfaceHit, name: &str, ty: Type) -> Option<Given> {
 /// Light at a point of a batch; `known` caches the result for the batch.
 fn arriving(
     tracer: &mut dyn Tracer,
-    light: i32,
+    (light, category): (i32, &str),
     hits: &SurfaceBatch,
     lane: usize,
     shadowed: bool,
@@ -577,7 +588,7 @@ fn arriving(
 ) -> Option<Arriving> {
     let (all, through) = known.get_or_insert_with(|| {
         let mut all = LightBatch::default();
-        tracer.illuminate(light as usize, hits, &mut all);
+        tracer.illuminate_in(category, light as usize, hits, &mut all);
         (all, None)
     });
     if shadowed && through.is_none() {

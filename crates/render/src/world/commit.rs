@@ -144,7 +144,7 @@ impl World {
             let emissive = &self.lights.emitters.instances;
             self.labels = Arc::new(WorldLabels::new(scene, &order_in_set(scene), emissive));
         }
-        self.names = labels::names(scene, &self.materials, self.names.take());
+        self.names = labels::names(scene, &self.materials, shaders.pixel.as_deref(), self.names.take());
     }
 
     /// Objects and instances.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use gnurt_scene::labels::{LightLinks, Shining};
 use gnurt_scene::{InstanceId, Light, LightId, MaterialId, Scene};
-use gnurt_shading::{AttributeRequest, SceneNames};
+use gnurt_shading::{AttributeRequest, PixelShader, SceneNames};
 
 use super::material_table::MaterialTable;
 use crate::mattes::id_of_material;
@@ -18,16 +18,20 @@ use crate::mattes::id_of_material;
 pub(super) fn names(
     scene: &Scene,
     materials: &MaterialTable,
+    pixel: Option<&dyn PixelShader>,
     before: Option<Arc<SceneNames>>,
 ) -> Option<Arc<SceneNames>> {
     let is_names = |request: &AttributeRequest| request.name == AttributeRequest::IDS;
-    if !materials.shaders().any(|shader| shader.attributes().iter().any(is_names)) {
+    let is_requested = materials.shaders().any(|shader| shader.attributes().iter().any(is_names));
+    if !is_requested && !pixel.is_some_and(PixelShader::needs_names) {
         return None;
     }
+    let sets = scene.labels().trace_sets.iter();
     let names = SceneNames {
         instances: scene.instances().iter().map(|instance| instance.name.clone()).collect(),
         objects: scene.objects().iter().map(|object| object.name.clone()).collect(),
         materials: scene.materials().iter().map(|material| material.name.clone()).collect(),
+        sets: sets.map(|(name, set)| (name.clone(), set.iter().map(|id| id.0).collect())).collect(),
     };
     before.filter(|before| **before == names).or_else(|| Some(Arc::new(names)))
 }
@@ -47,6 +51,19 @@ impl Names {
     }
 }
 
+/// Whether something with these names is called so: by a name or its group, of which the first one counts.
+pub(crate) fn are_called(label: &str, names: &[&Names]) -> bool {
+    let group = names.iter().find_map(|names| names.group.as_deref());
+    group == Some(label) || names.iter().any(|names| names.is(label))
+}
+
+/// The numbers below `count`, ascending by a key.
+fn sorted_by_key<K: Ord>(count: usize, key: impl Fn(usize) -> K) -> Vec<usize> {
+    let mut all: Vec<usize> = (0..count).collect();
+    all.sort_by_key(|&i| key(i));
+    all
+}
+
 /// The labels of a world.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorldLabels {
@@ -56,6 +73,8 @@ pub(crate) struct WorldLabels {
     pub(crate) material_mattes: Vec<u32>,
     /// Lights without a surface, but the environment.
     pub(crate) lights: Vec<Names>,
+    /// Numbers of these in the order of the scene.
+    pub(crate) lights_of_scene: Vec<usize>,
     pub(crate) environment: Names,
     /// Instances with an emissive mesh, by id.
     pub(crate) instances: BTreeMap<u32, Names>,
@@ -93,6 +112,7 @@ impl WorldLabels {
             materials: materials.collect(),
             material_mattes: mattes.collect(),
             lights: order.iter().map(of_light).collect(),
+            lights_of_scene: sorted_by_key(order.len(), |i| order[i]),
             environment: environment.as_ref().map(of_light).unwrap_or_default(),
             instances: instances.collect(),
             holdouts: labels.holdouts.iter().map(|id| id.0).collect(),

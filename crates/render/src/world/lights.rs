@@ -56,6 +56,18 @@ pub(crate) struct Lights {
     plugin_emitters: OnceLock<PluginEmitters>,
 }
 
+/// A part of the lights.
+#[derive(Clone, Copy)]
+pub(crate) enum LightPart<'a> {
+    /// All emissive triangles.
+    Triangles(&'a shading::TriangleLights),
+    /// A light without extent, by its number in the scene's order.
+    WithoutExtent(usize),
+    /// One of the shader table.
+    Plugin,
+    Environment,
+}
+
 /// Lights and the environment of the shader table.
 type FromTable<'a> = (&'a [Arc<dyn LightShader>], &'a Option<Arc<dyn EnvironmentShader>>);
 
@@ -82,6 +94,17 @@ impl Lights {
             let set = LightSet::new(self.parts.clone(), Threads::Pool(pool));
             // A second thread has computed the same.
             let _ = self.set.set(set);
+        }
+    }
+
+    /// The part of the lights that the light of this number among `shaders` is.
+    pub(crate) fn part(&self, light: usize) -> LightPart<'_> {
+        let first = usize::from(self.parts.triangles.is_some());
+        match &self.parts.triangles {
+            Some(triangles) if light == 0 => LightPart::Triangles(triangles),
+            _ if light < self.plugins.start => LightPart::WithoutExtent(light - first),
+            _ if light < self.plugins.end => LightPart::Plugin,
+            _ => LightPart::Environment,
         }
     }
 

@@ -50,8 +50,8 @@ use crowds::Crowds;
 use emitters::Shown;
 pub(crate) use grid::GridRay;
 use instance::InstanceSlot;
-pub(crate) use labels::{Names, WorldLabels};
-pub(crate) use lights::{Lights, LightsContent};
+pub(crate) use labels::{Names, WorldLabels, are_called};
+pub(crate) use lights::{LightPart, Lights, LightsContent};
 pub(crate) use material_table::MaterialTable;
 pub(crate) use media::{Inside, Media, MediumEntry};
 use object::{ObjectSlot, WorldObject};
@@ -345,6 +345,11 @@ impl World {
     }
 
     /// Names and groups of lights and materials.
+    /// Names of the scene's parts, if some shader requests them.
+    pub(crate) fn names(&self) -> Option<&SceneNames> {
+        self.names.as_deref()
+    }
+
     pub(crate) fn labels(&self) -> &WorldLabels {
         &self.labels
     }

@@ -313,9 +313,32 @@ impl TriangleLights {
         weight.is_finite().then_some(Chosen { index, weight, random: [rest, fresh] })
     }
 
+    /// As [`illuminate`](LightShader::illuminate), by the light of some triangles only.
+    pub fn illuminate_some(
+        &self,
+        (p, normal): (&Vec3s, &Vec3s),
+        random: &[[f32; 2]],
+        counts: impl Fn(u32) -> bool,
+        out: &mut LightBatch,
+    ) {
+        for (i, &random) in random.iter().enumerate() {
+            let chosen = self.choose(p.get(i), normal.get(i), random);
+            let chosen = chosen.filter(|chosen| counts(chosen.index as u32));
+            if let Some((dir, dist, radiance)) = chosen.and_then(|chosen| self.sample_on(&chosen, p.get(i))) {
+                out.dir.set(i, dir);
+                out.dist[i] = dist;
+                out.radiance.set(i, radiance);
+            }
+        }
+    }
+
     /// A direction from `p` to a point on a triangle, its distance and the arriving light over its probability.
     fn sample(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<(Vec3, f32, Vec3)> {
-        let chosen = self.choose(p, normal, random)?;
+        self.sample_on(&self.choose(p, normal, random)?, p)
+    }
+
+    /// The same for a chosen triangle.
+    fn sample_on(&self, chosen: &Chosen, p: Vec3) -> Option<(Vec3, f32, Vec3)> {
         let shape = &self.shapes[chosen.index];
         let position = sampling::triangle(chosen.random);
         let offset = shape.nearest_image(p, position) - p;

@@ -130,6 +130,7 @@ fn parts_have_names_and_numbers() {
         instances: list(&["", "chair"]),
         objects: list(&["", "", "stool"]),
         materials: list(&["wood"]),
+        ..SceneNames::default()
     }));
     let ids = |i: usize| [[0, 1, 2], [2, 2, 2], [0, 0, 0], [5, 16_777_217, 7]].map(|row| row[i]);
     let rows = (0..4).flat_map(|k| (0..3).map(move |i| f32::from_bits(ids(i)[k])));

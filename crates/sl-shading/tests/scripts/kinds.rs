@@ -5,7 +5,8 @@ use glam::Vec3;
 use gnurt_accel::RayBatch;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{
-    AttributeRequest, CameraSamples, LightBatch, RayKind, SurfaceBatch, SurfaceShader, Vec3s,
+    AttributeRequest, CameraSamples, LightBatch, RayKind, RayRequest, SampleKey, SurfaceBatch, SurfaceShader,
+    Tracer, Vec3s,
 };
 use gnurt_sl_shading::{CameraFrame, Kind, ParameterValue};
 
@@ -247,6 +248,72 @@ fn shaders_that_ask_rays_and_lights_are_told() {
     // A mixture: other closures are lit by all lights.
     let mixed = shade("Ci = M_PI * diffuse (N) + radiance ();");
     assert!((mixed - Vec3::splat(3.0)).length() < 1e-5, "{mixed}");
+}
+
+/// Notes the sets of rays and the categories of lights.
+#[derive(Default)]
+struct Listener {
+    sets: Vec<String>,
+    categories: Vec<String>,
+}
+
+impl Tracer for Listener {
+    fn light_count(&self) -> usize {
+        1
+    }
+
+    fn illuminate(&mut self, _: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
+        out.reset(hits.len());
+        self.categories.push(String::new());
+    }
+
+    fn illuminate_in(&mut self, category: &str, _: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
+        out.reset(hits.len());
+        self.categories.push(category.to_owned());
+    }
+
+    fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
+        assert_eq!(request.set, None, "shadow rays have no set");
+        transmittance.reset(request.rays.len(), Vec3::ONE);
+    }
+
+    fn trace(&mut self, _: u32, request: &RayRequest, radiance: &mut Vec3s) {
+        radiance.reset(request.rays.len(), Vec3::ONE);
+        self.sets.push(format!("light of {:?}", request.set.as_deref()));
+    }
+
+    fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {
+        out.clear();
+        out.resize(request.rays.len(), 2.0);
+        self.sets.push(format!("{:?}", request.set.as_deref()));
+    }
+
+    fn random(&self, _: SampleKey, _: u32, _: u32) -> [f32; 2] {
+        [0.5; 2]
+    }
+}
+
+#[test]
+fn rays_have_sets_and_lights_have_categories() {
+    let shader = surface(
+        "color c = 0; string other = u > 0 ? \"-walls\" : \"walls\";
+            if (trace (P, N, \"traceset\", \"props\")) c += 1;
+            if (trace (P, N, \"maxdist\", 5, \"traceset\", other)) c += 1;
+            if (trace (P, N)) c += 1;
+            c += (color) trace (P, N, \"traceset\", \"walls\");
+            illuminance (P, \"category\", \"key\") c += Cl;
+            illuminance (P) c += Cl;
+            illuminance (P, \"category\", \"-key\") c += Cl;
+            Ci = c * radiance ();",
+    );
+    let names: Vec<&str> = shader.attributes().iter().map(|request| &request.name[..]).collect();
+    assert_eq!(names, [AttributeRequest::IDS], "names must be known");
+    let mut out = Vec3s::splat(1, Vec3::ZERO);
+    let mut listener = Listener::default();
+    shader.radiance().expect("it traces").shade(&mut listener, &floor(1), &mut out);
+    assert_eq!(out.get(0), Vec3::splat(4.0));
+    assert_eq!(listener.sets, ["Some(\"props\")", "Some(\"walls\")", "None", "light of Some(\"walls\")"]);
+    assert_eq!(listener.categories, ["key", "", "-key"]);
 }
 
 #[test]

@@ -289,6 +289,16 @@ impl Adder<'_> {
             if holdout.and_then(serde_json::Value::as_bool) == Some(true) {
                 self.scene.labels_mut().holdouts.insert(instance);
             }
+            if let Some(sets) = node.extras.as_ref().and_then(|extras| extras.get("traceset")) {
+                let names = sets.as_str().ok_or_else(|| format!("{sets} is not a text with names"));
+                let labels = self.scene.labels_mut();
+                let added = names.and_then(|names| labels.add_to_trace_sets(instance, names));
+                if let Err(why) = added {
+                    let name = &self.scene.instance(instance).name;
+                    let detail = format!("{name}: extras.traceset: {why}");
+                    warnings.note(Oddity::BadNode, &self.document.path, None, detail);
+                }
+            }
             if let Some(group) = json::light_group(node.extras.as_ref()) {
                 self.scene.labels_mut().set_light_group(Shining::Instance(instance), group);
             }

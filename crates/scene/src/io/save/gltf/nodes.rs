@@ -151,6 +151,10 @@ impl Nodes {
                 if found.depth == 0 && scene.labels().holdouts.contains(&found.instance) {
                     node["extras"]["holdout"] = json!(true);
                 }
+                let sets = scene.labels().trace_sets_of(found.instance);
+                if found.depth == 0 && !sets.is_empty() {
+                    node["extras"]["traceset"] = json!(sets.join(","));
+                }
                 if found.depth == 0 {
                     put_into_group(&mut node, scene, Shining::Instance(found.instance));
                 }
