@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What surfaces know of the camera and of the parts of the scene.
+//! The camera and the names of the scene, as surfaces get them.
 
 use std::sync::{Arc, Mutex};
 
@@ -15,10 +15,10 @@ use gnurt_shading::{
 
 use crate::common::*;
 
-/// What a surface has been given.
+/// The input of a surface, point by point.
 type Seen = Vec<(Option<CameraProperties>, Option<Arc<SceneNames>>, [u32; 4])>;
 
-/// Notes what it is given.
+/// Notes its input.
 struct Curious {
     requests: Vec<AttributeRequest>,
     seen: Arc<Mutex<Seen>>,
@@ -41,7 +41,7 @@ impl SurfaceShader for Curious {
     }
 }
 
-/// A floor of a curious material, and what it has seen after a picture.
+/// The input of a curious floor during a picture.
 fn seen(scene: &Scene, exposure: &Exposure, request: bool, integrator: Integrator) -> Seen {
     let seen: Arc<Mutex<Seen>> = Arc::default();
     let request = request.then(|| AttributeRequest {

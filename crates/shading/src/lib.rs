@@ -5,6 +5,7 @@
 
 pub mod batch;
 pub mod bsdf;
+mod camera_projection;
 pub mod classes;
 pub mod lanes;
 pub mod lights;
@@ -21,8 +22,9 @@ mod texels;
 pub mod texture;
 
 pub use batch::{Detail, FacingRows, RayKind, SampleKey, SurfaceBatch, Vec3s};
+pub use camera_projection::CameraProjection;
 pub use point::{Leaving, Rays, SurfacePoint};
-pub use projective_camera::{CameraProjection, ProjectiveCamera};
+pub use projective_camera::ProjectiveCamera;
 pub use scene_queries::{CameraProperties, SceneNames};
 pub use shader::{
     AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, Interior, LightBatch, LightShader,

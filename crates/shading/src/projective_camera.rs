@@ -12,30 +12,9 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
 
+use crate::camera_projection::CameraProjection;
 use crate::sampling::{Basis, concentric_disk};
 use crate::shader::{CameraSamples, CameraShader};
-
-/// The map from directions to positions in the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CameraProjection {
-    /// A perspective.
-    Perspective {
-        /// Half the picture's height at distance 1.
-        half_height: f32,
-    },
-    /// Parallel rays that begin in the plane of the eye.
-    Parallel {
-        /// Half the height of the visible region, world units.
-        half_height: f32,
-    },
-    /// Angles to the view are distances from the picture's middle.
-    Fisheye {
-        /// Angle at the middle of the upper edge, radians.
-        half_angle: f32,
-    },
-    /// Longitudes across, latitudes upwards.
-    Panorama,
-}
 
 /// A camera with a position and a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::projective_camera::CameraProjection;
+use crate::camera_projection::CameraProjection;
 
 /// The camera of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]

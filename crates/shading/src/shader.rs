@@ -12,7 +12,7 @@ use gnurt_accel::{Ray, RayBatch};
 
 use crate::batch::{RayKind, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
-use crate::projective_camera::CameraProjection;
+use crate::camera_projection::CameraProjection;
 
 /// A value that a shader requests for each hit from its mesh.
 #[derive(Clone, Debug, PartialEq)]

@@ -259,9 +259,9 @@ impl<'a> World<'a> {
     ) -> Option<(RayRequest, std::cell::RefMut<'_, Queries<'a>>)> {
         let (lane, key, width) = self.asker(point)?;
         let mut queries = self.queries.as_ref()?.borrow_mut();
-        let mut request = RayRequest::default();
+        let set = Some(set.clone()).filter(|set| !set.is_empty());
+        let mut request = RayRequest { set, ..RayRequest::default() };
         // The camera's own ray is not another one.
-        request.set = Some(set.clone()).filter(|set| !set.is_empty());
         if self.own(&ray, &request.set, lane).is_some() {
             request.push(ray, lane, key);
         } else {

@@ -21,7 +21,8 @@ use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
 
 use super::class::{Kind, Parameter, Shader, ShaderClass, Values};
-use crate::projective_camera::{CameraProjection, ProjectiveCamera};
+use crate::camera_projection::CameraProjection;
+use crate::projective_camera::ProjectiveCamera;
 use crate::sampling::Basis;
 use crate::shader::{CameraSamples, CameraShader};
 
