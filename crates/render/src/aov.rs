@@ -27,7 +27,7 @@ pub(crate) struct TileAovs {
     pub(crate) normal: Vec<[f64; 3]>,
     pub(crate) emission: Vec<[f64; 3]>,
     pub(crate) first: Vec<FirstHit>,
-    /// Background radiance of rays without a hit, and their number.
+    /// Background radiance of rays without a hit, and their number; holes count by their shares.
     missed: Vec<[f64; 4]>,
     /// The same for shadow catchers, and their radiance without shadow.
     caught: Vec<[f64; 4]>,
@@ -99,17 +99,21 @@ impl TileAovs {
                 (0..3).for_each(|c| sum[c] += f64::from(direct[c]));
             }
         }
-        let add = |sum: &mut [f64; 4], direct: Vec3| {
+        let add = |sum: &mut [f64; 4], direct: Vec3, share: f32| {
             let direct = if direct.is_finite() { direct } else { Vec3::ZERO };
             (0..3).for_each(|k| sum[k] += f64::from(direct[k]));
-            sum[3] += 1.0;
+            sum[3] += f64::from(share);
         };
         let is_veiled = |lane: usize| tracer.veiled.get(lane).copied().unwrap_or(false);
-        let is_held = |lane: usize| Held::of(&tracer.held, lane).share >= 1.0;
-        let is_missed =
-            |&lane: &usize| is_held(lane) || (camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane));
-        for lane in range.clone().filter(is_missed) {
-            add(&mut self.missed[lane - first], radiance.get(lane));
+        for lane in range.clone() {
+            let hole = Held::of(&tracer.held, lane).share;
+            let missed = &mut self.missed[lane - first];
+            if hole > 0.0 {
+                // The light of a surface with a hole is not of the background.
+                add(missed, Vec3::ZERO, hole);
+            } else if camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane) {
+                add(missed, radiance.get(lane), 1.0);
+            }
         }
         tracer.for_each_surface_in(range, camera, AttributeRequests::Sides, |_, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
@@ -117,7 +121,7 @@ impl TileAovs {
             let backdrop = shader.backdrop();
             for (k, &lane) in lanes.iter().enumerate() {
                 if let Some(behind) = backdrop {
-                    add(&mut self.caught[lane as usize - first], radiance.get(lane as usize));
+                    add(&mut self.caught[lane as usize - first], radiance.get(lane as usize), 1.0);
                     (0..3).for_each(|c| self.behind[lane as usize - first][c] += f64::from(behind[c]));
                 }
                 let lane = lane as usize - first;

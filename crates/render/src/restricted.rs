@@ -12,6 +12,9 @@ use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec
 use crate::tracer::BatchTracer;
 use crate::world::{LightPart, Names, World, are_called};
 
+/// Surfaces of other sets that a ray passes; behind more it hits nothing.
+const MOST_PASSED: usize = 4096;
+
 const MISS: Hit = Hit {
     t: f32::INFINITY,
     u: 0.0,
@@ -29,11 +32,15 @@ pub(crate) fn closest_hits(tracer: &mut BatchTracer, kind: RayMask, request: &Ra
     let mut open: Vec<usize> = (0..request.rays.len()).collect();
     let mut rays = RayBatch::default();
     let mut keys: Vec<SampleKey> = Vec::new();
-    loop {
+    for passed in 0.. {
         let passes = |lane: &usize| hits.get(*lane).is_some_and(|hit| !may_hit(tracer.world, set, &hit));
         open.retain(passes);
         if open.is_empty() {
-            return hits;
+            break;
+        }
+        if passed == MOST_PASSED {
+            open.iter().for_each(|&lane| hits.set(lane, MISS));
+            break;
         }
         rays.clear();
         keys.clear();
@@ -51,6 +58,7 @@ pub(crate) fn closest_hits(tracer: &mut BatchTracer, kind: RayMask, request: &Ra
             }
         }
     }
+    hits
 }
 
 fn may_hit(world: &World, set: &str, hit: &Hit) -> bool {

@@ -105,14 +105,15 @@ impl SurfaceShader for Holed {
 #[test]
 fn closures_hold_out_their_share() {
     for integrator in [Integrator::Path, Integrator::Whitted, Integrator::InstantRadiosity] {
-        for (share, net) in [(1.0, false), (0.25, false), (0.25, true)] {
+        let cases = [(1.0, false, false), (0.25, false, false), (0.25, false, true), (0.25, true, true)];
+        for (share, net, aovs) in cases {
             let mut scene = scene(false, net);
             // The material of the ball.
             scene.edit_material(MaterialId(1)).surface = Surface::Shader(0);
             let table = ShaderTable { surfaces: vec![Arc::new(Holed(share))], ..ShaderTable::default() };
             let mut world = World::new();
             world.commit(&scene, &table, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
-            let options = RenderOptions { integrator, ..options(40, 30, if net { 64 } else { 2 }) };
+            let options = RenderOptions { integrator, aovs, ..options(40, 30, if net { 64 } else { 2 }) };
             let view = camera([0.0, -5.0, 2.0], [0.0, 0.0, 0.6], 40.0);
             let picture = render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture;
             let [r, _, _, alpha] = picture.color[15 * 40 + 20];

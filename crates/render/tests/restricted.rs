@@ -121,6 +121,30 @@ fn rays_pass_what_is_not_in_their_set() {
     }
 }
 
+#[test]
+fn rays_end_behind_very_many_others() {
+    for (others, distance) in [(4095, 3.0), (4097, 0.0)] {
+        let mut scene = probed_floor();
+        let material = matte(&mut scene, [0.5; 3]);
+        let square = scene.add_mesh(quad([-1.0, -1.0, 0.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], material));
+        let object = scene.add_object_of("", vec![square]);
+        let mut at = |height: f64, name: &str| {
+            let id = scene.instantiate(object, Affine::translation([0.0, 0.0, height]));
+            scene.edit_instance(id).name = name.into();
+        };
+        (0..others).for_each(|i| at(1.0 + f64::from(i) / 4096.0, "other"));
+        at(3.0, "last");
+        let found = shown(&scene, 1, |tracer, hits, i| {
+            let mut request = RayRequest { set: Some("last".into()), ..RayRequest::default() };
+            request.push(Ray::new(hits.p.get(i).into(), [0.0, 0.0, 1.0]).within(1e-3, 100.0), i, hits.key[i]);
+            let mut distances = Vec::new();
+            tracer.distances(&request, &mut distances);
+            Vec3::splat(if distances[0].is_finite() { distances[0] } else { 0.0 })
+        });
+        assert!((found.x - distance).abs() < 1e-4, "behind {others}: {found}");
+    }
+}
+
 /// The irradiance of a category by one sample of each light, without shadows.
 fn irradiance(
     category: &'static str,

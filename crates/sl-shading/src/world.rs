@@ -34,6 +34,9 @@ use crate::properties::Properties;
 use crate::surface_state::{Needs, RAYS};
 use crate::textures::Textures;
 
+/// Lights, by category, whose light at a batch of points is kept.
+const MOST_LIGHTS: usize = 4096;
+
 /// Branches of a point's key from here on are rays that a shader traces.
 const BRANCH: u32 = 64;
 
@@ -477,6 +480,10 @@ impl Host for World<'_> {
         let mut known = queries.lights.remove(&key);
         let found = arriving(&mut *queries.tracer, (light, category), hits, lane, shadowed, &mut known);
         if let Some(known) = known {
+            // Categories may be computed, each another one.
+            if queries.lights.len() >= MOST_LIGHTS {
+                queries.lights.clear();
+            }
             queries.lights.insert(key, known);
         }
         found

@@ -40,6 +40,7 @@ mod samples;
 #[cfg(target_os = "linux")]
 mod scripts;
 mod shader_outputs;
+mod shader_queries;
 mod shaders;
 mod statistics;
 mod surroundings;

@@ -314,6 +314,14 @@ fn rays_have_sets_and_lights_have_categories() {
     assert_eq!(out.get(0), Vec3::splat(4.0));
     assert_eq!(listener.sets, ["Some(\"props\")", "Some(\"walls\")", "None", "light of Some(\"walls\")"]);
     assert_eq!(listener.categories, ["key", "", "-key"]);
+    // Any number of computed names.
+    let shader = surface(
+        "color c = 0; for (int i = 0; i < 10000; ++i) illuminance (P, \"category\", format (\"%d\", i)) c += Cl;
+            Ci = c * radiance ();",
+    );
+    let mut listener = Listener::default();
+    shader.radiance().expect("it loops").shade(&mut listener, &floor(1), &mut out);
+    assert_eq!(listener.categories.len(), 10_000);
 }
 
 #[test]
