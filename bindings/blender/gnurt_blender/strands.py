@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hair and curves as the package takes them: points and radii, strand by strand.
+"""Hair and curves as the package takes them: points and radii, strand by strand, in arrays of all strands.
 
-Space: that of the points.
+Space: that of the points. Tests: `tests/checks.py`, beside a loop over strands.
 """
+
+from itertools import chain
 
 import numpy as np
 
@@ -12,47 +14,72 @@ from . import hashes
 class Strands:
     """Strands that go through all of their points: vertices (n, 3), radii (n,), and how many vertices each strand has.
 
+    Made from points (m, 3), radii (m,), and how many points each strand has; strands of fewer than two points are left out.
     The first and the last point are there twice: a Catmull-Rom curve goes from its second vertex to the last but one.
     """
 
-    def __init__(self, strands, radii):
-        found = [(np.asarray(points, np.float32), np.asarray(radius, np.float32)) for points, radius in zip(strands, radii) if len(points) > 1]
-        twice = [np.concatenate([[0], np.arange(len(points)), [len(points) - 1]]) for points, _ in found]
-        self.counts = [len(order) for order in twice]
-        self.found, self.twice = found, twice
+    def __init__(self, points, radii, counts):
+        counts = np.asarray(counts, np.int64)
+        kept = counts > 1
+        points, radii = np.asarray(points, np.float32), np.asarray(radii, np.float32)
+        if not kept.all():
+            rows = np.repeat(kept, counts)
+            points, radii, counts = points[rows], radii[rows], counts[kept]
+        self.points, self.thickness, self.lengths = points, radii, counts
+        # How often each point is there.
+        self.times = np.ones(len(points), np.int64)
+        ends = np.cumsum(counts)
+        self.times[ends - counts] = 2
+        self.times[ends - 1] = 2
 
     def __bool__(self):
-        return bool(self.found)
+        return len(self.lengths) > 0
 
-    def _rows(self, of):
-        return np.ascontiguousarray(np.concatenate([of(number, *strand)[order] for number, (strand, order) in enumerate(zip(self.found, self.twice))]), np.float32)
+    @property
+    def counts(self):
+        return (self.lengths + 2).tolist()
 
     @property
     def vertices(self):
-        return self._rows(lambda number, points, radii: points)
+        return np.repeat(self.points, self.times, axis=0)
 
     @property
     def radii(self):
-        return self._rows(lambda number, points, radii: radii)
+        return np.repeat(self.thickness, self.times)
+
+    def _of_strands(self, values):
+        """A number of each strand, at its vertices."""
+        return np.repeat(values.astype(np.float32), self.lengths + 2)
 
     def value(self, name):
         """What the node Hair Info gives, by vertex; None for what is not known."""
         if name == "Is Strand":
-            return self._rows(lambda number, points, radii: np.ones(len(points)))
+            return np.ones(self.times.sum(), np.float32)
         if name == "Intercept":
-            return self._rows(lambda number, points, radii: lengths(points) / max(lengths(points)[-1], 1e-20))
+            along = lengths(self.points, self.lengths)
+            whole = along[np.cumsum(self.lengths) - 1]
+            return np.repeat((along / np.repeat(np.maximum(whole, 1e-20), self.lengths)).astype(np.float32), self.times)
         if name == "Length":
-            return self._rows(lambda number, points, radii: np.full(len(points), lengths(points)[-1]))
+            return self._of_strands(lengths(self.points, self.lengths)[np.cumsum(self.lengths) - 1])
         if name == "Thickness":
-            return self._rows(lambda number, points, radii: 2 * radii)
+            return 2 * self.radii
         if name == "Random":
-            return self._rows(lambda number, points, radii: np.full(len(points), hashes.of_number(number)))
+            return self._of_strands(hashes.of_number(np.arange(len(self.lengths), dtype=np.uint64)))
         return None
 
 
-def lengths(points):
-    """How far along a strand its points are."""
-    return np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+def lengths(points, counts):
+    """How far along their strands points are, in float64: sums of float32 from root to tip."""
+    steps = np.zeros(len(points), np.float32)
+    steps[1:] = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    firsts = np.cumsum(counts) - counts
+    steps[firsts] = 0
+    along = np.empty(len(points))
+    # Strands of one length are rows of a table, and there are few lengths.
+    for count in np.unique(counts):
+        rows = firsts[counts == count, None] + np.arange(count)
+        along[rows] = np.cumsum(steps[rows], axis=1)
+    return along
 
 
 def of_curves(curves):
@@ -64,12 +91,12 @@ def of_curves(curves):
     found = curves.attributes.get("radius")
     if found is not None:
         found.data.foreach_get("value", radii)
-    strands, widths = [], []
-    for curve in curves.curves:
-        part = slice(curve.first_point_index, curve.first_point_index + curve.points_length)
-        strands.append(positions[part])
-        widths.append(radii[part])
-    return Strands(strands, widths)
+    if not len(curves.curves):
+        return Strands(positions, radii, [])
+    # Where each curve begins, and where the last one ends.
+    offsets = np.empty(len(curves.curve_offset_data), np.int32)
+    curves.curve_offset_data.foreach_get("value", offsets)
+    return Strands(positions, radii, np.diff(offsets))
 
 
 def of_particles(evaluated, system, matrix):
@@ -82,18 +109,20 @@ def of_particles(evaluated, system, matrix):
     numbers = range(parents, parents + children) if children and settings.child_type != "NONE" else range(parents)
     if children and settings.use_parent_particles:
         numbers = range(parents + children)
-    shape, root, tip = settings.shape, settings.root_radius * settings.radius_scale, settings.tip_radius * settings.radius_scale
-    strands, widths = [], []
-    for number in numbers:
-        points = np.array([system.co_hair(evaluated, particle_no=number, step=step) for step in range(steps + 1)])
-        if not points.any():
-            continue
-        points = points @ inverse[:3, :3].T + inverse[:3, 3]
-        at = np.linspace(0, 1, steps + 1)
-        at = at ** (1 + shape) if shape < 0 else at ** (1 / max(1 - shape, 1e-3))
-        width = root + (tip - root) * at
-        if settings.use_close_tip:
-            width[-1] = 0.0
-        strands.append(points)
-        widths.append(width)
-    return Strands(strands, widths)
+    # Blender has no call for all points at once.
+    found = (system.co_hair(evaluated, particle_no=number, step=step) for number in numbers for step in range(steps + 1))
+    points = np.fromiter(chain.from_iterable(found), float, count=len(numbers) * (steps + 1) * 3).reshape(-1, steps + 1, 3)
+    points = points[points.any(axis=(1, 2))]
+    points = points @ inverse[:3, :3].T + inverse[:3, 3]
+    return Strands(points.reshape(-1, 3), np.tile(profile(settings, steps), len(points)), np.full(len(points), steps + 1))
+
+
+def profile(settings, steps):
+    """Radii from root to tip."""
+    root, tip = settings.root_radius * settings.radius_scale, settings.tip_radius * settings.radius_scale
+    at = np.linspace(0, 1, steps + 1)
+    at = at ** (1 + settings.shape) if settings.shape < 0 else at ** (1 / max(1 - settings.shape, 1e-3))
+    width = root + (tip - root) * at
+    if settings.use_close_tip:
+        width[-1] = 0.0
+    return width

@@ -8,9 +8,12 @@ import os
 import sys
 import tempfile
 import time
+import types
 
 from common import background, bpy, camera, filled, floor, gnurt_blender, light, material, np, render, shape, start  # isort: skip
-from gnurt_blender import kept as _  # noqa: F401
+import loops
+import mathutils
+from gnurt_blender import kept as _, strands  # noqa: F401
 from gnurt_blender.engine import GnurtEngine
 from scenes import SCENES, nodes_of
 
@@ -332,6 +335,51 @@ def triangles_are_those_of_blender():
         theirs = mesh.loop_triangles
         assert (ours.faces == flat(theirs, "vertices", np.int32, 3)).all(), kind
         assert (ours.polygons == flat(theirs, "polygon_index", np.int32)).all(), kind
+
+
+def same_strands(made, expected, what):
+    """Whether arrays have the bytes of a loop over strands."""
+    found = {"vertices": made.vertices, "radii": made.radii, "counts": made.counts} | {name: made.value(name) for name in loops.VALUES}
+    for name, values in expected.items():
+        array = np.ascontiguousarray(found[name], np.int64 if name == "counts" else np.float32)
+        assert array.tobytes() == values.tobytes(), f"{what}: {name} differ from those of a loop"
+
+
+@check
+def strands_are_those_of_a_loop():
+    rng = np.random.default_rng(8)
+    sizes = rng.integers(1, 40, 300)
+    data = bpy.data.hair_curves.new("strands")
+    data.add_curves(sizes.tolist())
+    points, radii = rng.normal(0, 10, (sizes.sum(), 3)).astype(np.float32), rng.random(sizes.sum(), np.float32)
+    first = sizes[0]
+    points[first : first + sizes[1]] = points[first]
+    ends = np.cumsum(sizes)[:-1]
+    for widths in (np.full(len(radii), 0.005, np.float32), radii):
+        data.points.foreach_set("position", points.ravel())
+        if widths is radii:
+            found = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
+            found.data.foreach_set("value", radii)
+        elif "radius" in data.attributes:
+            data.attributes.remove(data.attributes["radius"])
+        same_strands(strands.of_curves(data), loops.arrays(zip(np.split(points, ends), np.split(widths, ends))), "curves")
+    assert not strands.of_curves(bpy.data.hair_curves.new("none"))
+
+    matrix = np.array(mathutils.Matrix.Rotation(0.7, 4, "X") @ mathutils.Matrix.Diagonal((2, 0.5, 1, 1)))
+    matrix[:3, 3] = 1, -2, 3
+    for shape, close, steps, children, with_parents in ((0.0, False, 0, 0, False), (-0.6, True, 3, 40, False), (0.4, True, 2, 40, True), (1.0, False, 1, 0, False)):
+        settings = types.SimpleNamespace(
+            shape=shape, use_close_tip=close, render_step=steps, child_type="SIMPLE", use_parent_particles=with_parents,
+            root_radius=1.0, tip_radius=0.2, radius_scale=0.013,
+        )
+        paths = rng.normal(0, 3, (70 + children, 2**steps + 1, 3)).astype(np.float32)
+        paths[::9] = 0
+        system = types.SimpleNamespace(
+            settings=settings, particles=range(70), child_particles=range(children),
+            co_hair=lambda _, particle_no, step, paths=paths: mathutils.Vector(paths[particle_no, step].tolist()),
+        )
+        shown = paths if with_parents or not children else paths[70:]
+        same_strands(strands.of_particles(None, system, matrix), loops.arrays(loops.hair(settings, shown, matrix)), f"particles of shape {shape}")
 
 
 @check
