@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use gnurt_accel::{Hit, HitSlices, PointHit, Query, Ray64};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
@@ -69,7 +70,12 @@ impl RayQuery {
         let [mut prim, mut geom, mut inst] =
             [New::<u32>::empty(py, n, 1)?, New::empty(py, n, 1)?, New::empty(py, n, 1)?];
         let mut ids = Vec::with_capacity(n);
+        let mut normals = match self.trees.kinds.has_others {
+            true => Some(New::<f32>::empty(py, n, 3)?),
+            false => None,
+        };
         {
+            let mut normals = normals.as_mut().map(|all| all.all().as_chunks_mut::<3>().0);
             let (t, u, v) = (t.all(), u.all(), v.all());
             let (prim, geom, inst) = (prim.all(), geom.all(), inst.all());
             for range in rays.blocks() {
@@ -77,6 +83,7 @@ impl RayQuery {
                 let r = || range.clone();
                 let (t, u, v) = (&mut t[r()], &mut u[r()], &mut v[r()]);
                 let (prim, geom, inst) = (&mut prim[r()], &mut geom[r()], &mut inst[r()]);
+                let normal = normals.as_mut().map(|all| &mut all[r()]);
                 py.detach(|| {
                     let mut leaf = vec![0; range.len()];
                     let mut into = HitSlices {
@@ -87,7 +94,7 @@ impl RayQuery {
                         geom_id: Some(&mut *geom),
                         inst_id: Some(&mut *inst),
                         leaf_id: Some(&mut leaf),
-                        normal: None,
+                        normal,
                     };
                     let query = Query { coherence: rays.coherence(&slices), ..Query::default() };
                     let traced =
@@ -109,7 +116,12 @@ impl RayQuery {
             u: u.done(),
             v: v.done(),
             count: n,
-            origin: Origin::Query(Found { trees: self.trees, threads: self.workers.count(), ids }),
+            origin: Origin::Query(Found {
+                trees: self.trees,
+                threads: self.workers.count(),
+                ids,
+                normals: normals.map(New::done),
+            }),
         })
     }
 
@@ -228,10 +240,21 @@ impl RayQuery {
         answers.done_as("int32")
     }
 
+    /// Curves enclose nothing: a ray may leave them where it came in, or through an open end.
+    fn check_solids(&self, query: &str) -> PyResult<()> {
+        if self.trees.kinds.has_curves {
+            return Err(PyTypeError::new_err(format!(
+                "{query}: the scene has curves, which enclose nothing; put meshes and spheres into a scene without curves"
+            )));
+        }
+        Ok(())
+    }
+
     pub(crate) fn contains(self, py: Python<'_>, points: &[[f64; 3]]) -> PyResult<Py<PyAny>> {
         if let Some(scene) = self.trees.doubles.clone() {
             return self.double_contains(py, points, &scene);
         }
+        self.check_solids("contains")?;
         let mut answers = New::<u8>::empty(py, points.len(), 1)?;
         for (points, part) in points.chunks(POINTS).zip(answers.all().chunks_mut(POINTS)) {
             py.detach(|| {
@@ -248,6 +271,9 @@ impl RayQuery {
     pub(crate) fn distance(self, py: Python<'_>, points: &[[f64; 3]], signed: bool) -> PyResult<Py<PyAny>> {
         if let Some(scene) = self.trees.doubles.clone() {
             return self.double_distance(py, points, signed, &scene);
+        }
+        if signed {
+            self.check_solids("signed_distance")?;
         }
         let mut answers = New::<f64>::empty(py, points.len(), 1)?;
         for (points, part) in points.chunks(POINTS).zip(answers.all().chunks_mut(POINTS)) {
@@ -300,11 +326,10 @@ impl RayQuery {
                         let name = |hit: PointHit| self.trees.ids([hit.geom_id, hit.inst_id, hit.leaf_id]).0;
                         geom[i] = hit.map_or(u32::MAX, name);
                         if detailed {
-                            let ids = hit.map(|hit| [hit.prim_id, hit.geom_id, hit.inst_id, hit.leaf_id]);
                             uv[2 * i..2 * i + 2]
                                 .copy_from_slice(&hit.map_or([0.0; 2], |hit| [hit.u, hit.v]));
                             normal[3 * i..3 * i + 3]
-                                .copy_from_slice(&ids.map_or([0.0; 3], |ids| self.trees.normal(ids)));
+                                .copy_from_slice(&hit.map_or([0.0; 3], |hit| self.trees.normal_at(&hit)));
                         }
                     }
                 });

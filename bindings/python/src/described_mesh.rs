@@ -9,8 +9,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Numbers, array};
+use crate::geometries::{Kind, StoredGeometry};
 use crate::given::Given;
-use crate::meshes::Mesh;
+use crate::soups::Soup;
 
 /// Meshes before they are in an object, each with the index of its material among `materials`.
 pub(crate) struct DescribedMesh {
@@ -151,8 +152,11 @@ impl DescribedMesh {
         let vertices = given.get("vertices")?.ok_or_else(|| needed("vertices"))?;
         let faces = given.get("faces")?.ok_or_else(|| needed("faces"))?;
         let placement = given.get("transform")?;
-        let mesh = Mesh::new(&vertices, &faces, placement.as_ref(), false, "float32")?;
-        let (positions, faces) = (mesh.positions(py)?, mesh.indices(py)?);
+        let mesh = StoredGeometry::mesh(&vertices, &faces, Kind::Triangles, false, "float32")?;
+        let mesh = mesh.placed(placement.as_ref())?;
+        let Soup::Triangles(positions, faces) = Soup::new(py, &mesh)? else {
+            return Err(PyValueError::new_err("faces: expected triangles"));
+        };
         let counts = [positions.len(), faces.len()];
         let mut known = Vec::new();
         for (name, width) in [("normals", 3), ("texcoords", 2), ("tangents", 4), ("colors", 4)] {

@@ -64,7 +64,12 @@ impl RayQuery {
             u: u.done(),
             v: v.done(),
             count: n,
-            origin: Origin::Query(Found { trees: self.trees, threads: self.workers.count(), ids }),
+            origin: Origin::Query(Found {
+                trees: self.trees,
+                threads: self.workers.count(),
+                ids,
+                normals: None,
+            }),
         })
     }
 

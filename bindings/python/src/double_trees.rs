@@ -10,7 +10,8 @@ use gnurt_accel::{BuildOptions, Threads};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::meshes::{Mesh, triples};
+use crate::geometries::StoredGeometry;
+use crate::soups::stored_rows;
 
 /// The contents of an instance: a mesh, by its number, or another scene; and the transform.
 pub(crate) type Placed = (Inner, [[f64; 3]; 4]);
@@ -45,8 +46,18 @@ fn scene(meshes: &[Soup], instances: &[DoubleInstance], threads: Threads) -> PyR
 }
 
 impl DoublePlan {
-    pub(crate) fn new(py: Python<'_>, meshes: &[Option<Mesh>], placed_list: Vec<Placed>) -> PyResult<Self> {
-        let soup = |mesh: &Mesh| Ok::<Soup, PyErr>((triples(mesh.vertices.bind(py))?, mesh.indices(py)?));
+    pub(crate) fn new(
+        py: Python<'_>,
+        meshes: &[Option<StoredGeometry>],
+        placed_list: Vec<Placed>,
+    ) -> PyResult<Self> {
+        let soup = |mesh: &StoredGeometry| {
+            let faces = mesh.arrays.indices.as_ref().map(|faces| stored_rows(faces.bind(py)));
+            Ok::<Soup, PyErr>((
+                stored_rows(mesh.arrays.vertices.bind(py))?,
+                faces.transpose()?.unwrap_or_default(),
+            ))
+        };
         let mut all = Vec::with_capacity(meshes.len());
         for mesh in meshes {
             let Some(mesh) = mesh else {

@@ -17,6 +17,8 @@ pub(crate) struct Found {
     pub(crate) threads: ThreadCount,
     /// Triangle, geometry, instance and leaf of each ray's hit, as the trees name them.
     pub(crate) ids: Vec<[u32; 4]>,
+    /// Normals that needed the rays: of scenes with more than triangles.
+    pub(crate) normals: Option<Py<PyAny>>,
 }
 
 /// Where normals and paths come from.
@@ -44,7 +46,7 @@ pub(crate) struct Hits {
     /// float32 (n,): how many lengths of the direction away; inf where the ray missed.
     #[pyo3(get)]
     pub(crate) t: Py<PyAny>,
-    /// int32 (n,): the row of `faces`; -1 where the ray missed.
+    /// int32 (n,): the row of `faces`, the point, or the curve; -1 where the ray missed.
     #[pyo3(get)]
     pub(crate) prim_id: Py<PyAny>,
     /// int32 (n,): the geometry; -1 where the ray missed.
@@ -53,10 +55,12 @@ pub(crate) struct Hits {
     /// int32 (n,): the instance, of scenes in scenes the outermost; -1 where the ray missed, or hit a geometry itself.
     #[pyo3(get)]
     pub(crate) inst_id: Py<PyAny>,
-    /// float32 (n,): weight of the triangle's second corner.
+    /// float32 (n,): weight of the triangle's second corner. Of quads from 0 on the edge of corners 0 and 3 to 1; along curves from
+    /// 0 to 1; 0 of points.
     #[pyo3(get)]
     pub(crate) u: Py<PyAny>,
-    /// float32 (n,): weight of the triangle's third corner.
+    /// float32 (n,): weight of the triangle's third corner. Of quads from 0 on the edge of corners 0 and 1 to 1; across flat curves
+    /// from -1 to 1 and across oriented ones from 0 to 1; 0 of round curves and points.
     #[pyo3(get)]
     pub(crate) v: Py<PyAny>,
     pub(crate) count: usize,
@@ -65,13 +69,17 @@ pub(crate) struct Hits {
 
 #[pymethods]
 impl Hits {
-    /// float32 (n, 3): unit normals by the right hand rule; zeros where the ray missed.
+    /// float32 (n, 3): unit normals; zeros where the ray missed. By the right hand rule of triangles and quads, outwards of
+    /// spheres and round curves, on the side of the given ones of oriented discs and curves; zeros of flat ones, which face the ray.
     #[getter]
     fn normal(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let Found { trees, threads, ids } = match &self.origin {
+        let Found { trees, threads, ids, normals } = match &self.origin {
             Origin::Query(found) => found,
             Origin::Pickle { normal, .. } => return Ok(normal.clone_ref(py)),
         };
+        if let Some(normals) = normals {
+            return Ok(normals.clone_ref(py));
+        }
         if let Some(scene) = &trees.doubles {
             let mut normals = New::<f64>::empty(py, self.count, 3)?;
             let all = normals.all();

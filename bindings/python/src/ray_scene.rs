@@ -13,8 +13,8 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::answers::{RayQuery, Which};
 use crate::arrays::{Numbers, numpy, transform};
+use crate::geometries::{CurveArguments, Kind, PointArguments, StoredGeometry, matrix};
 use crate::hits::{AllHits, Hits};
-use crate::meshes::Mesh;
 use crate::pool::{ThreadCount, Workers};
 use crate::rays::Rays;
 use crate::trees::{PlacedGeometry, Plan, Shows, Trees};
@@ -49,7 +49,7 @@ type Instance = (Shown, [[f64; 3]; 4]);
 
 #[derive(Default)]
 struct State {
-    meshes: Vec<Option<Mesh>>,
+    meshes: Vec<Option<StoredGeometry>>,
     instances: Vec<Option<Instance>>,
     /// Whether vertices and answers are in double precision.
     is_double: bool,
@@ -70,7 +70,7 @@ impl State {
     }
 
     /// The meshes, with the same arrays.
-    fn meshes(&self, py: Python<'_>) -> Vec<Option<Mesh>> {
+    fn meshes(&self, py: Python<'_>) -> Vec<Option<StoredGeometry>> {
         self.meshes.iter().map(|mesh| mesh.as_ref().map(|mesh| mesh.shared(py))).collect()
     }
 
@@ -100,14 +100,14 @@ enum Found {
     UpToDate(Arc<Trees>),
     /// The geometry of the new trees, and the trees of an earlier state.
     Dirty {
-        meshes: Vec<Option<Mesh>>,
+        meshes: Vec<Option<StoredGeometry>>,
         placed_list: Vec<(u32, PlacedGeometry)>,
         before: Option<Arc<Trees>>,
         is_double: bool,
     },
 }
 
-/// Triangle meshes for queries with rays and points. Every query may be called from several threads at once.
+/// Triangles, quads, points and curves for queries with rays and points. Every query may be called from several threads at once.
 #[pyclass(module = "gnurt", frozen, subclass)]
 #[derive(Default)]
 pub(crate) struct RayScene {
@@ -133,13 +133,6 @@ fn is_double(dtype: Object) -> PyResult<bool> {
 }
 
 type Object<'a, 'py> = &'a Bound<'py, PyAny>;
-
-/// Rows of a matrix for columns of an affine map.
-fn matrix(columns: &[[f64; 3]; 4]) -> Vec<Vec<f64>> {
-    let mut rows: Vec<Vec<f64>> = (0..3).map(|k| columns.iter().map(|column| column[k]).collect()).collect();
-    rows.push(vec![0.0, 0.0, 0.0, 1.0]);
-    rows
-}
 
 impl RayScene {
     /// Under the lock, during which nothing of Python's is made or dropped: that may run any code of a program (a collection of
@@ -284,6 +277,25 @@ impl RayScene {
         }
     }
 
+    /// Takes a geometry in, and returns its number.
+    fn add(&self, py: Python<'_>, geometry: StoredGeometry) -> usize {
+        self.with(py, |state| {
+            let edit = state.edit();
+            state.meshes.push(Some(StoredGeometry { shape: edit, state: edit, ..geometry }));
+            state.meshes.len() - 1
+        })
+    }
+
+    /// The kinds besides triangles are there in single precision only.
+    fn needs_single(&self, py: Python<'_>, call: &str) -> PyResult<()> {
+        if self.type_name(py) == DOUBLE {
+            return Err(PyTypeError::new_err(format!(
+                "{call}: unsupported in a scene of float64, which has triangles only; make one of float32"
+            )));
+        }
+        Ok(())
+    }
+
     fn too_deep() -> PyErr {
         PyValueError::new_err(format!("scenes are nested more than {DEEPEST_SCENE} levels deep"))
     }
@@ -320,12 +332,90 @@ impl RayScene {
         transform: Option<Object>,
         copy: bool,
     ) -> PyResult<usize> {
-        let mesh = Mesh::new(vertices, faces, transform, copy, self.type_name(py))?;
-        Ok(self.with(py, |state| {
-            let edit = state.edit();
-            state.meshes.push(Some(Mesh { shape: edit, state: edit, ..mesh }));
-            state.meshes.len() - 1
-        }))
+        let mesh = StoredGeometry::mesh(vertices, faces, Kind::Triangles, copy, self.type_name(py))?;
+        Ok(self.add(py, mesh.placed(transform)?))
+    }
+
+    /// Adds a mesh of quads and returns its number, geom_id. `vertices`: (n, 3) floats; `faces`: (m, 4) whole numbers, rows of
+    /// `vertices` around each quad. A quad is the triangles of its corners 0, 1, 3 and 2, 3, 1 and need not be flat; it is a
+    /// triangle where corners 2 and 3 are one. `transform` and `copy` as of `add_triangles`. Scenes of float64 have none.
+    #[pyo3(signature = (vertices, faces, transform=None, *, copy=true))]
+    fn add_quads(
+        &self,
+        py: Python<'_>,
+        vertices: Object,
+        faces: Object,
+        transform: Option<Object>,
+        copy: bool,
+    ) -> PyResult<usize> {
+        self.needs_single(py, "add_quads")?;
+        let mesh = StoredGeometry::mesh(vertices, faces, Kind::Quads, copy, SINGLE)?;
+        Ok(self.add(py, mesh.placed(transform)?))
+    }
+
+    /// Adds points with a radius and returns their number, geom_id. `vertices`: (n, 3) floats, the centres; `radii`: (n,) floats
+    /// from 0 on, or one number for all, in units of the vertices. `form`: "round" for spheres, which rays hit from inside, too,
+    /// "flat" for discs that face each ray, "oriented" for discs across `normals`, (n, 3) of any length. Points of radius 0 or
+    /// with a normal of zero are left out. `transform`: as of `add_triangles`, with the same scale in all directions; `copy`:
+    /// the same. Scenes of float64 have none.
+    #[pyo3(signature = (vertices, radii, transform=None, *, form="round", normals=None, copy=true))]
+    #[allow(clippy::too_many_arguments, reason = "those of the call")]
+    fn add_points(
+        &self,
+        py: Python<'_>,
+        vertices: Object,
+        radii: Object,
+        transform: Option<Object>,
+        form: &str,
+        normals: Option<Object>,
+        copy: bool,
+    ) -> PyResult<usize> {
+        self.needs_single(py, "add_points")?;
+        let points = StoredGeometry::points(&PointArguments { vertices, radii, form, normals }, copy)?;
+        Ok(self.add(py, points.placed(transform)?))
+    }
+
+    /// Adds curves with a radius and returns their number, geom_id. `vertices`: (n, 3) floats, strand by strand; `radii`: (n,)
+    /// floats from 0 on, or one number for all, in units of the vertices, less than those of the bends. `counts`: how many
+    /// vertices each strand has, whose sum is n, by default one strand of all; or `segments`: (m,) whole numbers, the first
+    /// vertex of each curve. `prim_id` counts curves, strand by strand.
+    ///
+    /// `basis` and the vertices that a curve has: "linear" 2, straight; "bezier" 4, of which the next curve shares the last;
+    /// "bspline" 4, which it does not meet, and "catmull-rom" 4, from the second to the third, of which the next curve shares
+    /// three; "hermite" 2, with `tangents`, (n, 4): derivatives of position and radius. `form`: "flat" for ribbons that face each
+    /// ray, "round" for tubes without caps, and cones with spheres at their ends where straight, "oriented" for ribbons across
+    /// `normals`, (n, 3), which have `normal_tangents`, (n, 3), on Hermite curves. Curves without length or radius are left out.
+    /// `transform`: as of `add_triangles`, with the same scale in all directions; `copy`: the same. Scenes of float64 have none.
+    #[pyo3(signature = (vertices, radii, transform=None, *, counts=None, segments=None, basis="bspline", form="round", normals=None, tangents=None, normal_tangents=None, copy=true))]
+    #[allow(clippy::too_many_arguments, reason = "those of the call")]
+    fn add_curves(
+        &self,
+        py: Python<'_>,
+        vertices: Object,
+        radii: Object,
+        transform: Option<Object>,
+        counts: Option<Object>,
+        segments: Option<Object>,
+        basis: &str,
+        form: &str,
+        normals: Option<Object>,
+        tangents: Option<Object>,
+        normal_tangents: Option<Object>,
+        copy: bool,
+    ) -> PyResult<usize> {
+        self.needs_single(py, "add_curves")?;
+        let given = CurveArguments {
+            vertices,
+            radii,
+            counts,
+            segments,
+            basis,
+            form,
+            normals,
+            tangents,
+            normal_tangents,
+        };
+        Ok(self.add(py, StoredGeometry::curves(&given, copy)?.placed(transform)?))
     }
 
     /// Shows a geometry, by its number, or all of another RayScene once more, transformed by `transform`, and
@@ -369,20 +459,17 @@ impl RayScene {
         copy: bool,
     ) -> PyResult<()> {
         let placement = transform.map(|placement| self::transform("transform", placement)).transpose()?;
-        let moved = match (geom_id, vertices) {
-            (Some(id), Some(vertices)) => {
-                let mesh = self.with(py, |state| {
-                    state.meshes.get(id).and_then(Option::as_ref).map(|mesh| mesh.shared(py))
-                });
-                Some(mesh.ok_or_else(|| Self::no_geometry(id))?.moved(
-                    py,
-                    vertices,
-                    copy,
-                    self.type_name(py),
-                )?)
-            }
-            _ => None,
-        };
+        let mut moved = None;
+        if let Some(id) = geom_id {
+            let geometry = self
+                .with(py, |state| state.meshes.get(id).and_then(Option::as_ref).map(|at| at.shared(py)))
+                .ok_or_else(|| Self::no_geometry(id))?;
+            geometry.check_placement(placement.as_ref())?;
+            moved = match vertices {
+                Some(vertices) => Some(geometry.moved(py, vertices, copy, self.type_name(py))?),
+                None => None,
+            };
+        }
         // Removed objects are released to Python after the lock.
         let gone = self.with(py, |state| match (geom_id, inst_id) {
             (Some(id), None) => {
@@ -393,7 +480,7 @@ impl RayScene {
                 mesh.placement = placement.or(mesh.placement);
                 Ok(moved.map(|vertices| {
                     mesh.shape = edit;
-                    std::mem::replace(&mut mesh.vertices, vertices)
+                    std::mem::replace(&mut mesh.arrays.vertices, vertices)
                 }))
             }
             (None, Some(id)) if vertices.is_none() => {
@@ -584,9 +671,7 @@ impl RayScene {
         for mesh in now_meshes {
             match mesh {
                 None => meshes.append(py.None())?,
-                Some(Mesh { vertices, faces, placement, .. }) => {
-                    meshes.append((vertices, faces, placement.as_ref().map(matrix)))?;
-                }
+                Some(mesh) => meshes.append(mesh.pickled(py)?)?,
             }
         }
         for placed_list in now_instances {
@@ -615,14 +700,10 @@ impl RayScene {
         let dtype = if is_double { DOUBLE } else { SINGLE };
         let (mut meshes, mut instances) = (Vec::new(), Vec::new());
         for mesh in part("meshes")? {
-            meshes.push(
-                match mesh.extract::<Option<(Bound<PyAny>, Bound<PyAny>, Option<Bound<PyAny>>)>>()? {
-                    None => None,
-                    Some((vertices, faces, placement)) => {
-                        Some(Mesh::new(&vertices, &faces, placement.as_ref(), false, dtype)?)
-                    }
-                },
-            );
+            meshes.push(match mesh.is_none() {
+                true => None,
+                false => Some(StoredGeometry::restored(&mesh, dtype)?),
+            });
         }
         for placed_list in part("instances")? {
             instances.push(match placed_list.extract::<Option<(Bound<PyAny>, Bound<PyAny>)>>()? {
@@ -658,8 +739,7 @@ impl RayScene {
         // A locked scene is in use.
         let Ok(state) = self.state.try_lock() else { return Ok(()) };
         for mesh in state.meshes.iter().flatten() {
-            visit.call(&mesh.vertices)?;
-            visit.call(&mesh.faces)?;
+            mesh.traverse(&visit)?;
         }
         for (shown, _) in state.instances.iter().flatten() {
             if let Shown::Scene(scene) = shown {

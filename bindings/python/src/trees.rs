@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Trees over the contents of a ray scene. Meshes form one object, each a geometry of it, with their
-//! transforms applied; instances need a scene: object 0 is that of all meshes, the others follow. An instance
-//! shows a mesh, or all of another scene. Trees of an earlier state are the start of new ones: unchanged
+//! Trees over the contents of a ray scene. Geometries form one object, with their transforms applied; instances
+//! need a scene: object 0 is that of all geometries, the others follow. An instance shows a geometry, or all of
+//! another scene. Trees of an earlier state are the start of new ones: unchanged
 //! parts are shared, moved ones are refitted (`docs/explanation/moving.md`).
 //! Invariant: returned ids are the caller's. Tests: `tests/test_scene.py`.
 
@@ -10,14 +10,15 @@ use std::sync::Arc;
 
 use gnurt_accel::doubles::DoubleScene;
 use gnurt_accel::{
-    BuildOptions, Geometry, Hit, Instance, Motion, MovingTree, ObjectTree, SceneTree, Shape, Threads,
-    Triangles,
+    BuildOptions, Geometry, Hit, Instance, Motion, MovingTree, ObjectTree, PointHit, SceneTree, Shape,
+    Threads,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::double_trees::{DoublePlan, Inner};
-use crate::meshes::{Mesh, carried};
+use crate::geometries::{Kind, StoredGeometry};
+use crate::soups::Soup;
 
 /// The trees for queries.
 #[derive(Debug)]
@@ -32,6 +33,32 @@ pub(crate) struct Trees {
     pub(crate) doubles: Option<Arc<DoubleScene>>,
     /// Instances of the scene after the first.
     placed_list: Vec<(u32, PlacedGeometry)>,
+    pub(crate) kinds: Kinds,
+}
+
+/// What there is in a scene and in scenes that it shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Kinds {
+    /// Something besides triangles, so that normals depend on more than the primitive.
+    pub(crate) has_others: bool,
+    pub(crate) has_curves: bool,
+}
+
+impl Kinds {
+    fn of(meshes: &[Option<StoredGeometry>], placed_list: &[(u32, PlacedGeometry)]) -> Self {
+        let mut kinds = Self::default();
+        for geometry in meshes.iter().flatten() {
+            kinds.has_others |= geometry.kind != Kind::Triangles;
+            kinds.has_curves |= matches!(geometry.kind, Kind::Curves(..));
+        }
+        for (_, placed) in placed_list {
+            if let Shows::Scene(trees) = &placed.shows {
+                kinds.has_others |= trees.kinds.has_others;
+                kinds.has_curves |= trees.kinds.has_curves;
+            }
+        }
+        kinds
+    }
 }
 
 /// The contents of an instance.
@@ -74,8 +101,6 @@ macro_rules! run_query {
 }
 pub(crate) use run_query;
 
-type Soup = (Vec<[f32; 3]>, Vec<[u32; 3]>);
-
 /// Arrays of all that is to be built, taken out of Python.
 pub(crate) struct Plan {
     before: Option<Arc<Trees>>,
@@ -83,6 +108,7 @@ pub(crate) struct Plan {
     shown: BTreeMap<u32, BuildRequest>,
     doubles: Option<DoublePlan>,
     placed_list: Vec<(u32, PlacedGeometry)>,
+    kinds: Kinds,
 }
 
 /// Meshes that one tree is over.
@@ -107,25 +133,21 @@ impl Plan {
     /// Trees for these meshes and instances, from those of an earlier state if there are any.
     pub(crate) fn new(
         py: Python<'_>,
-        meshes: &[Option<Mesh>],
+        meshes: &[Option<StoredGeometry>],
         placed_list: Vec<(u32, PlacedGeometry)>,
         before: Option<Arc<Trees>>,
         is_double: bool,
     ) -> PyResult<Self> {
+        let kinds = Kinds::of(meshes, &placed_list);
         if is_double {
             let doubles =
                 Some(DoublePlan::new(py, meshes, placed_list.iter().map(PlacedGeometry::double).collect())?);
             let all = BuildRequest { states: Vec::new(), soups: None };
-            return Ok(Self { before: None, all, shown: BTreeMap::new(), doubles, placed_list });
+            return Ok(Self { before: None, all, shown: BTreeMap::new(), doubles, placed_list, kinds });
         }
-        let at_place = |mesh: &Option<Mesh>| -> PyResult<Soup> {
-            // A removed mesh keeps its number.
-            let Some(mesh) = mesh else { return Ok(Soup::default()) };
-            let (mut positions, indices) = soup(py, mesh)?;
-            if let Some(placement) = &mesh.placement {
-                positions.iter_mut().for_each(|at| *at = carried(placement, *at));
-            }
-            Ok((positions, indices))
+        // A removed geometry keeps its number.
+        let at_place = |geometry: &Option<StoredGeometry>| {
+            geometry.as_ref().map_or_else(|| Ok(Soup::empty()), |geometry| Soup::placed(py, geometry))
         };
         let states = meshes.iter().map(|mesh| mesh.as_ref().map_or(0, |mesh| mesh.state)).collect();
         let all = BuildRequest::new(states, before.as_ref().map(|trees| &trees.all), || {
@@ -137,16 +159,16 @@ impl Plan {
             let Some(Some(mesh)) = meshes.get(*geom_id as usize) else { continue };
             if !shown.contains_key(geom_id) {
                 let before = before.as_ref().and_then(|trees| trees.shown.get(geom_id));
-                let request = BuildRequest::new(vec![mesh.shape], before, || Ok(vec![soup(py, mesh)?]))?;
+                let request = BuildRequest::new(vec![mesh.shape], before, || Ok(vec![Soup::new(py, mesh)?]))?;
                 shown.insert(*geom_id, request);
             }
         }
-        Ok(Self { before, all, shown, doubles: None, placed_list })
+        Ok(Self { before, all, shown, doubles: None, placed_list, kinds })
     }
 
     /// Builds; without the interpreter.
     pub(crate) fn build(self, threads: Threads) -> PyResult<Trees> {
-        let Self { before, all, shown, doubles, placed_list } = self;
+        let Self { before, all, shown, doubles, placed_list, kinds } = self;
         let all = Part::new(all, before.as_ref().map(|trees| &trees.all), threads)?;
         let part = |(id, request): (u32, BuildRequest)| {
             let before = before.as_ref().and_then(|trees| trees.shown.get(&id));
@@ -154,17 +176,12 @@ impl Plan {
         };
         let shown = shown.into_iter().map(part).collect::<PyResult<BTreeMap<u32, Part>>>()?;
         let doubles = doubles.map(|plan| plan.build(threads)).transpose()?;
-        let mut trees = Trees { all, shown, scene: None, doubles, placed_list };
+        let mut trees = Trees { all, shown, scene: None, doubles, placed_list, kinds };
         if trees.doubles.is_none() && !trees.placed_list.is_empty() {
             trees.scene = Some(Arc::new(trees.top(before.as_deref(), threads)?));
         }
         Ok(trees)
     }
-}
-
-/// A mesh's arrays.
-fn soup(py: Python<'_>, mesh: &Mesh) -> PyResult<Soup> {
-    Ok((mesh.positions(py)?, mesh.indices(py)?))
 }
 
 impl Part {
@@ -175,17 +192,15 @@ impl Part {
             (soups, _) => soups.unwrap_or_default(),
         };
         let options = BuildOptions::default();
-        let meshes: Vec<Triangles> =
-            soups.iter().map(|(positions, indices)| Triangles { positions, indices }).collect();
-        // Meshes under the same numbers have the same triangles: they can only have moved.
+        let geometries: Vec<Geometry> = soups.iter().map(Soup::geometry).collect();
+        // Geometries under the same numbers have the same primitives: they can only have moved.
         let numbers = |states: &[u64]| states.iter().map(|state| *state != 0).collect::<Vec<bool>>();
         if let Some(before) = before.filter(|before| numbers(&before.states) == numbers(&states)) {
             let mut tree = before.tree.clone();
-            let geometries: Vec<Geometry> = meshes.into_iter().map(Geometry::from).collect();
             tree.update(&geometries, &options, threads);
             return Ok(Self { tree, states });
         }
-        let tree = ObjectTree::try_build(&meshes, &options, threads, &())
+        let tree = ObjectTree::try_build_from(&geometries, &options, threads, &())
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(Self { tree: MovingTree::of(Arc::new(tree), Motion::Auto), states })
     }
@@ -346,6 +361,13 @@ impl Trees {
         }
         let hit = Hit { t: 0.0, u: 0.0, v: 0.0, prim_id, geom_id, inst_id, leaf_id };
         run_query!(self, tree => tree.normal(&hit)).unwrap_or_default()
+    }
+
+    /// Unit normal at a nearest point; zeros where there is none.
+    pub(crate) fn normal_at(&self, found: &PointHit) -> [f32; 3] {
+        let PointHit { u, v, prim_id, geom_id, inst_id, leaf_id, .. } = *found;
+        let hit = Hit { t: 0.0, u, v, prim_id, geom_id, inst_id, leaf_id };
+        run_query!(self, tree => tree.normal_at(&hit, found.point)).unwrap_or_default()
     }
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ray queries on triangle meshes: closest hits, all hits, crossings, inside or outside, distances. And pictures of scenes."""
+"""Ray queries on meshes, points and curves: closest hits, all hits, crossings, inside or outside, distances. And pictures of scenes."""
 
 from ._gnurt import AllHits, Hits, Picture, RayScene as _RayScene, __version__
 from ._scene import Camera, Scene, load, read_volume
@@ -9,9 +9,15 @@ __all__ = ["AllHits", "Camera", "Hits", "Picture", "RayScene", "Scene", "__versi
 #: First bytes of a saved scene: of one by itself, and of one with others in it.
 _MAGIC = [b"GNURT ray scene 1\n", b"GNURT ray scene 2\n"]
 
+#: What there may be of a geometry that is not of triangles.
+_NAMES = (
+    ["kind", "vertices", "faces", "radii", "segments", "basis", "form"]
+    + ["normals", "tangents", "normal_tangents", "transform"]
+)
+
 
 class RayScene(_RayScene):
-    """Triangle meshes to be asked with rays and points.
+    """Triangles, quads, points and curves to be asked with rays and points.
 
     Arrays are numpy arrays, or whatever numpy makes one of; float32 or float64, with gaps or not. `(1, 3)` goes with any
     number of rays. `threads=0` is one for each core; answers do not depend on it. `dtype="float64"` keeps vertices as they are
@@ -116,7 +122,9 @@ def _pack(state, prefix, arrays):
         arrays[prefix + "dtype"] = np.array(state["dtype"])
     arrays[prefix + "meshes"] = np.array([mesh is not None for mesh in state["meshes"]], bool)
     for i, mesh in enumerate(state["meshes"]):
-        if mesh is not None:
+        if isinstance(mesh, dict):
+            arrays |= {f"{prefix}{name}{i}": np.asarray(value) for name, value in mesh.items()}
+        elif mesh is not None:
             arrays[f"{prefix}vertices{i}"], arrays[f"{prefix}faces{i}"] = mesh[0], mesh[1]
             if mesh[2] is not None:
                 arrays[f"{prefix}transform{i}"] = np.array(mesh[2])
@@ -132,6 +140,10 @@ def _unpacked(arrays, prefix, scenes):
     meshes, instances = [], []
     for i, is_there in enumerate(arrays[prefix + "meshes"]):
         place = arrays.get(f"{prefix}transform{i}")
+        if is_there and f"{prefix}kind{i}" in arrays:
+            found = {name: arrays[f"{prefix}{name}{i}"] for name in _NAMES if f"{prefix}{name}{i}" in arrays}
+            meshes.append({name: value.item() if value.dtype.kind == "U" else value for name, value in found.items()})
+            continue
         meshes.append((arrays[f"{prefix}vertices{i}"], arrays[f"{prefix}faces{i}"], place) if is_there else None)
     ids, places = arrays[prefix + "instances"], arrays[prefix + "places"]
     for i, place in zip(ids, places, strict=True):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from os import PathLike
-from typing import Any, Self, final
+from typing import Any, Literal, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -61,6 +61,34 @@ class RayScene:
     def dtype(self) -> np.dtype[np.float32] | np.dtype[np.float64]: ...
     def add_triangles(
         self, vertices: ArrayLike, faces: ArrayLike, transform: ArrayLike | None = None, *, copy: bool = True
+    ) -> int: ...
+    def add_quads(
+        self, vertices: ArrayLike, faces: ArrayLike, transform: ArrayLike | None = None, *, copy: bool = True
+    ) -> int: ...
+    def add_points(
+        self,
+        vertices: ArrayLike,
+        radii: ArrayLike,
+        transform: ArrayLike | None = None,
+        *,
+        form: Literal["round", "flat", "oriented"] = "round",
+        normals: ArrayLike | None = None,
+        copy: bool = True,
+    ) -> int: ...
+    def add_curves(
+        self,
+        vertices: ArrayLike,
+        radii: ArrayLike,
+        transform: ArrayLike | None = None,
+        *,
+        counts: ArrayLike | None = None,
+        segments: ArrayLike | None = None,
+        basis: Literal["linear", "bezier", "bspline", "catmull-rom", "hermite"] = "bspline",
+        form: Literal["flat", "round", "oriented"] = "round",
+        normals: ArrayLike | None = None,
+        tangents: ArrayLike | None = None,
+        normal_tangents: ArrayLike | None = None,
+        copy: bool = True,
     ) -> int: ...
     def add_instance(self, shown: int | RayScene, transform: ArrayLike) -> int: ...
     def update(
