@@ -58,7 +58,7 @@ struct Met<'t> {
 fn meet<'t>(world: &World, table: &'t Table, ray: &Ray) -> Option<Met<'t>> {
     let hit = world.intersect(ray)?;
     let p = Vec3::from(ray.at(hit.t));
-    let ng = Vec3::from(world.normal(&hit)?);
+    let ng = Vec3::from(world.normal_at(&hit, p.to_array().map(f64::from))?);
     let uv = [hit.u, hit.v];
     let Target::Surface { surface, instance, part, placement } = *table.targets.get(hit.inst_id as usize)?
     else {
@@ -67,10 +67,10 @@ fn meet<'t>(world: &World, table: &'t Table, ray: &Ray) -> Option<Met<'t>> {
     };
     let here = &table.surfaces[surface as usize].geometry.parts[part as usize];
     let mesh = here.mesh();
-    let corners = mesh.indices[hit.prim_id as usize];
+    let corners = mesh.corners(hit.prim_id as usize)?;
     let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-    let smooth = corners.iter().zip(weights).map(|(&vertex, weight)| {
-        mesh.normals.get(vertex as usize).map_or(Vec3::ZERO, |&normal| Vec3::from(normal) * weight)
+    let smooth = corners.into_iter().zip(weights).map(|(vertex, weight)| {
+        mesh.normals.get(vertex).map_or(Vec3::ZERO, |&normal| Vec3::from(normal) * weight)
     });
     let smooth: Vec3 = smooth.sum();
     let mut matrix = linear(&table.instances[instance as usize].world_from_object);

@@ -93,10 +93,13 @@ impl Table {
         let mut at = self.at(instance, triangle, [0.0; 2], p, n)?;
         let part = &at.surface.geometry.parts[at.spot.part as usize];
         if part.placements.is_none()
-            && let Some(corners) = part.mesh().indices.get(triangle as usize)
+            && let Some(corners) = part.mesh().corners(triangle as usize)
         {
-            let [a, b, c] = corners.map(|vertex| Vec3::from(part.mesh().positions[vertex as usize]));
-            at.spot.weights = weights([a, b, c], Vec3::from(at.spot.position));
+            let [a, b, c] = corners.map(|vertex| Vec3::from(part.mesh().positions[vertex]));
+            let p = Vec3::from(at.spot.position);
+            // Along a piece of a curve, values change with the second weight.
+            at.spot.weights =
+                if part.mesh().has_triangles() { weights([a, b, c], p) } else { along([a, b], p) };
         }
         Some(at)
     }
@@ -121,6 +124,13 @@ fn weights([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
     } else {
         [1.0, 0.0, 0.0]
     }
+}
+
+/// Weights of a segment's ends at the foot of a point.
+fn along([a, b]: [Vec3; 2], p: Vec3) -> [f32; 3] {
+    let share = (p - a).dot(b - a) / (b - a).length_squared();
+    let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+    [1.0 - share, share, 0.0]
 }
 
 impl At<'_> {

@@ -19,7 +19,7 @@ use crate::attribute::{FREE, NAMES};
 use crate::ffi_array::Array;
 use crate::field::Field;
 use crate::freshness;
-use crate::geometry::{Bounds, Geometry, build};
+use crate::geometry::{Bounds, Geometry, Shapes, build};
 use crate::light::{Made, Sky, light};
 use crate::material::{Material, class};
 use crate::object::{Object, Snapshot, lock};
@@ -67,14 +67,26 @@ fn made<T: Send + Sync + 'static>(
     maybe.0.clone()
 }
 
-fn geometry(object: &Object, report: Report) -> Option<Arc<Geometry>> {
-    made(object, report, || {
-        let (geometry, warning) = build(object)?;
+/// A geometry by triangles alone, for materials that need them.
+struct Triangulated(Arc<Geometry>);
+
+/// A geometry, for a material of this class.
+fn geometry(object: &Object, class: u32, report: Report) -> Option<Arc<Geometry>> {
+    let has_inside = class & (class::GLASS | class::HOLES) != 0;
+    let shapes = Shapes { emit: class & class::EMITS != 0, show_inside: has_inside };
+    let make = || {
+        let (geometry, warning) = build(object, shapes)?;
         if let Some(warning) = warning {
             report(object, &warning);
         }
         Ok(geometry)
-    })
+    };
+    // Spheres have an inside, curves have none.
+    let is_by_triangles = shapes.emit || shapes.show_inside && object.subtype == "curve";
+    if !is_by_triangles || !["sphere", "curve"].contains(&object.subtype.as_str()) {
+        return made(object, report, make);
+    }
+    made(object, report, || make().map(|geometry| Triangulated(Arc::new(geometry)))).map(|it| it.0.clone())
 }
 
 fn material(object: &Object, report: Report) -> Option<Arc<Material>> {
@@ -135,14 +147,12 @@ impl Builder<'_> {
         if now.bool("visible") == Some(false) {
             return;
         }
-        let Some(geometry) = now.object("geometry", types::GEOMETRY).and_then(|it| geometry(it, self.report))
-        else {
-            return;
-        };
         let surface_material =
             now.object("material", types::MATERIAL).and_then(|it| material(it, self.report));
         let surface_material = surface_material.unwrap_or_else(|| Arc::new(Material::missing()));
         let class = surface_material.class();
+        let shown = now.object("geometry", types::GEOMETRY);
+        let Some(geometry) = shown.and_then(|it| geometry(it, class, self.report)) else { return };
         self.table.has_holes |= class & class::HOLES != 0;
         let surface = self.table.surfaces.len() as u32;
         for (part_number, part) in geometry.parts.iter().enumerate() {

@@ -12,6 +12,7 @@ mod lifetimes;
 mod lights;
 mod materials;
 mod renderers;
+mod rounds;
 mod shapes;
 mod volumes;
 mod wrong;

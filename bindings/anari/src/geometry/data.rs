@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A geometry ready for rays: parts of triangles, and which primitive and which vertices a place on them belongs to.
+//! A geometry ready for rays: parts of triangles, spheres or curves, and which primitive and which vertices a place on them belongs to.
 //! Space: object. Tests: tests/attributes.rs.
 
 use std::sync::{Arc, Mutex};
 
-use gnurt::scene::{Affine, MaterialId, Mesh};
+use gnurt::scene::{Affine, MaterialId, Mesh, Primitives as Surfaces};
 
 use super::rates::Rates;
 use crate::attribute::{Color, FREE, mix, weighted};
 use crate::object::lock;
 
-/// Which primitive a triangle belongs to.
+/// Which primitive a triangle, a sphere or a piece of a curve belongs to.
 pub(crate) enum Primitives {
     /// Each is one.
     Own,
@@ -56,7 +56,7 @@ pub(crate) enum Form {
     Rod,
 }
 
-/// Triangles, once or in many places.
+/// Triangles, spheres or curves, once or in many places.
 pub(crate) struct Part {
     mesh: Arc<Mesh>,
     form: Form,
@@ -69,7 +69,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Triangles that are there once.
+    /// A mesh that is there once.
     pub(crate) fn once(mesh: Mesh, primitives: Primitives, vertices: Vertices) -> Self {
         let (mesh, form) = (Arc::new(mesh), Form::Mesh);
         Self { mesh, form, primitives, vertices, placements: None, others: Mutex::default() }
@@ -84,6 +84,22 @@ impl Part {
     /// Widens a box by itself where it stands at `world_from_object`.
     pub(crate) fn extend(&self, world_from_object: &Affine, bounds: &mut Bounds) {
         let Some(placements) = &self.placements else {
+            let [x, y, z, _] = world_from_object.columns;
+            let mut ball = |vertex: usize, radius: f32| {
+                let reach = |k: usize| (x[k] * x[k] + y[k] * y[k] + z[k] * z[k]).sqrt() * f64::from(radius);
+                let middle = self.mesh.positions.get(vertex).filter(|_| radius > 0.0);
+                if let Some(middle) = middle {
+                    bounds.add(world_from_object.point(middle.map(f64::from)), [0, 1, 2].map(reach));
+                }
+            };
+            match &self.mesh.primitives {
+                Surfaces::Triangles => {}
+                Surfaces::Spheres(radii) => radii.iter().enumerate().for_each(|(i, &radius)| ball(i, radius)),
+                Surfaces::Curves(curves) => {
+                    let ends = curves.segments.iter().flat_map(|&first| [first, first + 1]);
+                    ends.for_each(|vertex| ball(vertex as usize, curves.radii[vertex as usize]));
+                }
+            }
             // Vertices that no triangle has are none of it.
             let used = self.mesh.indices.iter().flatten().map(|&vertex| self.mesh.positions[vertex as usize]);
             used.for_each(|p| bounds.add(world_from_object.point(p.map(f64::from)), [0.0; 3]));
@@ -180,7 +196,7 @@ pub(crate) struct Geometry {
 pub(crate) struct Spot {
     pub(crate) part: u32,
     pub(crate) triangle: u32,
-    /// Weights of its corners.
+    /// Weights of its corners as [`Mesh::corners`] has them.
     pub(crate) weights: [f32; 3],
     /// Its primitive.
     pub(crate) primitive: u32,
@@ -213,7 +229,7 @@ impl Geometry {
     fn of_vertices(&self, rates: &Rates, part: &Part, spot: &Spot) -> Option<Color> {
         let value = |vertex: u32| rates.vertex.get(vertex as usize).copied();
         let of_triangle = |value: &dyn Fn(u32) -> Option<Color>| {
-            let [a, b, c] = *part.mesh.indices.get(spot.triangle as usize)?;
+            let [a, b, c] = part.mesh.corners(spot.triangle as usize)?.map(|vertex| vertex as u32);
             Some(weighted([value(a)?, value(b)?, value(c)?], spot.weights))
         };
         match &part.vertices {

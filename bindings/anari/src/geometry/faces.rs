@@ -10,16 +10,29 @@ use crate::ffi_array::Array;
 use crate::object::Snapshot;
 use crate::types;
 
-/// Rows of so many vertices: those of the index array, or the vertices one after the other. And how many of them were wrong.
+/// Rows of so many vertices: those of the index array, or the vertices one after the other. And how many of them were wrong,
+/// which name the first vertex alone, so that they have no extent.
 pub(super) fn indices<const N: usize>(
     now: &Snapshot,
     vertices: usize,
 ) -> Result<(Vec<[u32; N]>, usize), String> {
+    let (rows, wrong) = valid_indices(now, vertices)?;
+    Ok((rows.into_iter().map(|row| row.unwrap_or([0; N])).collect(), wrong))
+}
+
+/// Rows of an index, `None` for wrong ones.
+type Checked<const N: usize> = Vec<Option<[u32; N]>>;
+
+/// The same with `None` for wrong ones.
+pub(super) fn valid_indices<const N: usize>(
+    now: &Snapshot,
+    vertices: usize,
+) -> Result<(Checked<N>, usize), String> {
     let mut wrong = 0;
     let Some(array) = now.object("primitive.index", types::ARRAY1D).and_then(|array| Array::of(array)) else {
         let count = u32::try_from(vertices).map_err(|_| format!("{vertices} vertices: too many"))?;
         return Ok((
-            (0..count / N as u32).map(|i| std::array::from_fn(|k| i * N as u32 + k as u32)).collect(),
+            (0..count / N as u32).map(|i| Some(std::array::from_fn(|k| i * N as u32 + k as u32))).collect(),
             0,
         ));
     };
@@ -28,10 +41,10 @@ pub(super) fn indices<const N: usize>(
     })?;
     let row = |row: [u64; N]| {
         if row.iter().all(|&vertex| vertex < vertices as u64) {
-            return row.map(|vertex| vertex as u32);
+            return Some(row.map(|vertex| vertex as u32));
         }
         wrong += 1;
-        [0; N]
+        None
     };
     Ok((rows.into_iter().map(row).collect(), wrong))
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Geometries as triangles: every shape becomes meshes, or one mesh that is put in many places.
+//! Geometries as meshes: triangles, spheres or curves, once or in many places.
 
 mod build;
 mod data;
@@ -11,4 +11,5 @@ mod unit;
 
 pub(crate) use build::build;
 pub(crate) use data::{Bounds, Geometry, Spot};
+pub(crate) use segments::Shapes;
 pub(crate) use unit::sphere;

@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Spheres, cylinders, cones and curves. Spheres and cylinders are unit shapes in many places; cones, whose form differs, have 64 sides
-//! each. A curve's pieces are the cones that touch the balls around both vertices, and those balls.
-//! Tests: tests/shapes.rs.
+//! Spheres, cylinders, cones and curves. Spheres and curves are those of the kernels, unless triangles are needed: see
+//! [`Shapes`]. As triangles, spheres and cylinders are unit shapes in many places; cones, whose form differs, have 64 sides each. A
+//! curve's pieces are the cones that touch the balls around both vertices, and those balls. Tests: tests/shapes.rs.
 
 use glam::Vec3;
-use gnurt::scene::{Affine, Mesh};
+use gnurt::scene::{Affine, CurveBasis, CurveForm, Curves, Mesh, Primitives as Surfaces};
 
 use super::data::{Form, Geometry, Part, Placement, Primitives, Vertices};
-use super::faces::{indices, positions, reported};
+use super::faces::{indices, positions, reported, valid_indices};
 use super::rates::{Rates, list};
 use super::unit;
 use crate::object::Snapshot;
 
 /// Sides of a cone.
 const SIDES: u32 = 64;
+
+/// What spheres and curves are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Shapes {
+    /// Light is sampled on triangles alone.
+    pub(crate) emit: bool,
+    /// The kernels' curves have no inside.
+    pub(crate) show_inside: bool,
+}
 
 type Built = Result<(Geometry, Option<String>), String>;
 
@@ -40,17 +49,33 @@ fn rod(ends: [[f32; 3]; 2], radius: f32, primitive: u32, vertices: [u32; 2]) -> 
 }
 
 /// Spheres.
-pub(super) fn spheres(now: &Snapshot) -> Built {
+pub(super) fn spheres(now: &Snapshot, shapes: Shapes) -> Built {
     let points = positions(now)?;
-    let (rows, wrong) = indices::<1>(now, points.len())?;
+    let (rows, wrong) = valid_indices::<1>(now, points.len())?;
     let warning = reported(wrong, rows.len());
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
-    let all = rows.iter().enumerate().map(|(i, &[vertex])| {
-        let radius = radius_at(&radii, vertex as usize, otherwise);
-        ball(points[vertex as usize], radius, i as u32, vertex)
-    });
-    let placements = all.collect();
-    let parts = vec![Part::placed(unit::sphere(), Form::Ball, placements)];
+    let radius = |vertex: u32| radius_at(&radii, vertex as usize, otherwise);
+    let part = if shapes.emit {
+        let ball_of = |(i, row): (usize, &Option<[u32; 1]>)| {
+            let [vertex] = (*row)?;
+            Some(ball(points[vertex as usize], radius(vertex), i as u32, vertex))
+        };
+        Part::placed(unit::sphere(), Form::Ball, rows.iter().enumerate().filter_map(ball_of).collect())
+    } else {
+        // A wrong one has no radius, and keeps its number.
+        let vertex_of = |row: &Option<[u32; 1]>| row.map_or(0, |[vertex]| vertex);
+        let own = |row: &Option<[u32; 1]>| row.map_or(0.0, |[vertex]| radius(vertex));
+        let mesh = Mesh {
+            positions: rows
+                .iter()
+                .map(|row| points.get(vertex_of(row) as usize).copied().unwrap_or_default())
+                .collect(),
+            primitives: Surfaces::Spheres(rows.iter().map(own).collect()),
+            ..Mesh::default()
+        };
+        Part::once(mesh, Primitives::Own, Vertices::Listed(rows.iter().map(vertex_of).collect()))
+    };
+    let parts = vec![part];
     Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
 }
 
@@ -125,30 +150,64 @@ pub(super) fn cones(now: &Snapshot) -> Built {
 }
 
 /// Curves.
-pub(super) fn curves(now: &Snapshot) -> Built {
-    let points = positions(now)?;
+pub(super) fn curves(now: &Snapshot, shapes: Shapes) -> Built {
+    if shapes.emit || shapes.show_inside { curve_meshes(now) } else { kernel_curves(now) }
+}
+
+/// The first vertices of pieces and their numbers, and a warning.
+fn pieces(now: &Snapshot, vertices: usize) -> Result<(Vec<(u32, u32)>, Option<String>), String> {
     let has_index = now.get("primitive.index").is_some();
-    let (rows, mut wrong) = indices::<1>(now, points.len())?;
+    let (rows, mut wrong) = valid_indices::<1>(now, vertices)?;
     // Without an index all vertices make one curve: the last one begins no piece.
-    let pieces = if has_index { &rows[..] } else { &rows[..rows.len().saturating_sub(1)] };
+    let numbered = if has_index { &rows[..] } else { &rows[..rows.len().saturating_sub(1)] };
+    let mut found = Vec::with_capacity(numbered.len());
+    for (i, row) in numbered.iter().enumerate() {
+        match row {
+            Some([first]) if (*first as usize) + 1 < vertices => found.push((i as u32, *first)),
+            Some(_) => wrong += 1,
+            None => {}
+        }
+    }
+    Ok((found, reported(wrong, rows.len())))
+}
+
+/// Curves by the kernels: cones that touch the balls around both vertices, and those balls.
+fn kernel_curves(now: &Snapshot) -> Built {
+    let points = positions(now)?;
+    let (pieces, warning) = pieces(now, points.len())?;
+    let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
+    let (numbers, segments) = pieces.into_iter().unzip();
+    let curves = Curves {
+        basis: CurveBasis::Linear,
+        form: CurveForm::Round,
+        radii: (0..points.len()).map(|vertex| radius_at(&radii, vertex, otherwise)).collect(),
+        segments,
+        spans: Vec::new(),
+    };
+    let primitives = Surfaces::Curves(Box::new(curves));
+    let mesh = Mesh { positions: points, primitives, ..Mesh::default() };
+    let parts = vec![Part::once(mesh, Primitives::Listed(numbers), Vertices::Own)];
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
+}
+
+/// Curves of triangles.
+fn curve_meshes(now: &Snapshot) -> Built {
+    let points = positions(now)?;
+    let (pieces, warning) = pieces(now, points.len())?;
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
     let (mut rods, mut balls, mut cones) = (Vec::new(), Vec::new(), Cones::default());
     let mut has_ball = vec![false; points.len()];
-    for (i, &[first]) in pieces.iter().enumerate() {
+    for (i, first) in pieces {
         let row = [first, first + 1];
-        if row[1] as usize >= points.len() {
-            wrong += 1;
-            continue;
-        }
         let [r0, r1] = row.map(|vertex| radius_at(&radii, vertex as usize, otherwise));
         let ends = row.map(|vertex| Vec3::from(points[vertex as usize]));
         for (vertex, radius) in row.into_iter().zip([r0, r1]) {
             if !std::mem::replace(&mut has_ball[vertex as usize], true) && radius > 0.0 {
-                balls.push(ball(points[vertex as usize], radius, i as u32, vertex));
+                balls.push(ball(points[vertex as usize], radius, i, vertex));
             }
         }
         if r0 == r1 {
-            rods.extend(rod(row.map(|vertex| points[vertex as usize]), r0, i as u32, row));
+            rods.extend(rod(row.map(|vertex| points[vertex as usize]), r0, i, row));
             continue;
         }
         // The cone touches both balls where its side is upright to their radii.
@@ -157,10 +216,9 @@ pub(super) fn curves(now: &Snapshot) -> Built {
         if sin.is_finite() && sin.abs() < 1.0 {
             let (along, cos) = ((ends[1] - ends[0]) / length, (1.0 - sin * sin).sqrt());
             let touching = [ends[0] + along * (r0 * sin), ends[1] + along * (r1 * sin)];
-            cones.add(touching, [r0 * cos, r1 * cos], [false; 2], i as u32, row);
+            cones.add(touching, [r0 * cos, r1 * cos], [false; 2], i, row);
         }
     }
-    let warning = reported(wrong, rows.len());
     let mut parts: Vec<Part> = cones.part().into_iter().collect();
     if !rods.is_empty() {
         parts.push(Part::placed(unit::cylinder([false; 2]), Form::Rod, rods));

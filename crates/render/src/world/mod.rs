@@ -238,10 +238,17 @@ impl World {
     }
 
     /// The geometric normal at a hit of this world, of unit length, in world space: towards the side from which the triangle's
-    /// vertices go around counter-clockwise. Of moving meshes it is the normal when the shutter opens.
+    /// vertices go around counter-clockwise. Of moving meshes it is the normal when the shutter opens. `None` for spheres, and
+    /// for curves whose normals depend on the point.
     #[must_use]
     pub fn normal(&self, hit: &Hit) -> Option<[f32; 3]> {
         self.tree.normal(hit)
+    }
+
+    /// The same for a hit at a point in world space, also of spheres and curves, whose normals look outwards.
+    #[must_use]
+    pub fn normal_at(&self, hit: &Hit, point: [f64; 3]) -> Option<[f32; 3]> {
+        self.tree.normal_at(hit, point)
     }
 
     /// All lights but those of shader plugins, with densities.
