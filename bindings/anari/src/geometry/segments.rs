@@ -154,8 +154,15 @@ pub(super) fn curves(now: &Snapshot, shapes: Shapes) -> Built {
     if shapes.emit || shapes.show_inside { curve_meshes(now) } else { kernel_curves(now) }
 }
 
-/// The first vertices of pieces and their numbers, and a warning.
-fn pieces(now: &Snapshot, vertices: usize) -> Result<(Vec<(u32, u32)>, Option<String>), String> {
+/// A piece of a curve: its number, and the first of its two vertices.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    number: u32,
+    first: u32,
+}
+
+/// All pieces whose vertices are there, and a warning about others.
+fn pieces(now: &Snapshot, vertices: usize) -> Result<(Vec<Piece>, Option<String>), String> {
     let has_index = now.get("primitive.index").is_some();
     let (rows, mut wrong) = valid_indices::<1>(now, vertices)?;
     // Without an index all vertices make one curve: the last one begins no piece.
@@ -163,7 +170,9 @@ fn pieces(now: &Snapshot, vertices: usize) -> Result<(Vec<(u32, u32)>, Option<St
     let mut found = Vec::with_capacity(numbered.len());
     for (i, row) in numbered.iter().enumerate() {
         match row {
-            Some([first]) if (*first as usize) + 1 < vertices => found.push((i as u32, *first)),
+            Some([first]) if (*first as usize) + 1 < vertices => {
+                found.push(Piece { number: i as u32, first: *first })
+            }
             Some(_) => wrong += 1,
             None => {}
         }
@@ -176,7 +185,7 @@ fn kernel_curves(now: &Snapshot) -> Built {
     let points = positions(now)?;
     let (pieces, warning) = pieces(now, points.len())?;
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
-    let (numbers, segments) = pieces.into_iter().unzip();
+    let (numbers, segments) = pieces.iter().map(|piece| (piece.number, piece.first)).unzip();
     let curves = Curves {
         basis: CurveBasis::Linear,
         form: CurveForm::Round,
@@ -197,7 +206,7 @@ fn curve_meshes(now: &Snapshot) -> Built {
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
     let (mut rods, mut balls, mut cones) = (Vec::new(), Vec::new(), Cones::default());
     let mut has_ball = vec![false; points.len()];
-    for (i, first) in pieces {
+    for Piece { number: i, first } in pieces {
         let row = [first, first + 1];
         let [r0, r1] = row.map(|vertex| radius_at(&radii, vertex as usize, otherwise));
         let ends = row.map(|vertex| Vec3::from(points[vertex as usize]));
