@@ -10,6 +10,7 @@ mod describing;
 mod double_answers;
 mod double_trees;
 mod ffi_arrays;
+mod frames;
 mod geometries;
 mod given;
 mod hits;
@@ -45,6 +46,7 @@ fn _gnurt(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<hits::AllHits>()?;
     module.add_class::<picture::Picture>()?;
     module.add_class::<rendering::Growing>()?;
+    module.add_class::<frames::Frames>()?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<ray_scene::RayScene>()
 }

@@ -343,6 +343,12 @@ impl Picture {
     }
 }
 
+/// Options of the filter for a part of a picture, or for all of it.
+pub(crate) fn noise_options(method: Method, region: Option<[u32; 4]>) -> Options {
+    let library = std::env::var_os("OIDN_LIB").filter(|file| !file.is_empty()).map(Into::into);
+    Options { method, region, library }
+}
+
 /// Takes the noise out of a picture with layers.
 pub(crate) fn take_noise_out(
     picture: &mut image::Picture,
@@ -350,8 +356,7 @@ pub(crate) fn take_noise_out(
     region: Option<[u32; 4]>,
     threads: ThreadCount,
 ) -> PyResult<()> {
-    let library = std::env::var_os("OIDN_LIB").filter(|file| !file.is_empty()).map(Into::into);
-    let options = Options { method, region, library };
+    let options = noise_options(method, region);
     let error = |error: denoise::Error| PyValueError::new_err(format!("denoise: {error}"));
     let used = denoise::denoise(picture, &options, &*threads.pool()?).map_err(error)?;
     picture.set_metadata("denoiser", used.name());

@@ -29,7 +29,7 @@ use crate::picture::{Picture, take_noise_out};
 use crate::pool::ThreadCount;
 use crate::scripts::script_named;
 use crate::stage::{Aim, Clip, MotionKeys, Shot, View};
-use crate::watch::watched;
+use crate::watch::{Watch, watched};
 
 /// All arguments of a rendering.
 pub(crate) struct BuildRequest {
@@ -105,6 +105,7 @@ impl BuildRequest {
             integrator: options.integrator,
             needs_names: !options.mattes.kinds.is_empty(),
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
+            bounds: None,
         };
         if view.at.is_some() && view.motion.is_some() {
             return Err(PyValueError::new_err("motion: conflicts with at=, which plays the scene's clip"));
@@ -117,10 +118,30 @@ impl BuildRequest {
         Ok(Self { view, threads: ThreadCount::new(threads)?, options, layers, list, light_groups, denoise })
     }
 
-    /// The picture of a shot, without samples.
-    fn begun(&self, shot: &Shot) -> PyResult<Accumulation> {
+    pub(crate) fn options(&self) -> &RenderOptions {
+        &self.options
+    }
+
+    pub(crate) fn denoiser(&self) -> Option<Method> {
+        self.denoise
+    }
+
+    /// The part of the picture that is rendered, if it is not all.
+    pub(crate) fn crop(&self) -> Option<[u32; 4]> {
+        self.options.crop.and_then(|_| self.options.region().ok())
+    }
+
+    /// What a picture is made of, under the seed of the request plus a number.
+    pub(crate) fn making(&self, shot: Shot, number: u64) -> Making {
+        let Shot { exposure, named, .. } = shot;
+        Making { exposure, named, seed: self.options.seed.wrapping_add(number) }
+    }
+
+    /// The picture of a shot, without samples, under the seed of the request plus a number.
+    fn begun(&self, shot: &Shot, number: u64) -> PyResult<Accumulation> {
         let error = |why: &dyn std::fmt::Display| PyValueError::new_err(format!("layers: {why}"));
         let mut options = self.options.clone();
+        options.seed = options.seed.wrapping_add(number);
         if self.light_groups {
             let groups: Vec<&str> = shot.groups.iter().map(String::as_str).collect();
             let is_new =
@@ -152,44 +173,79 @@ impl BuildRequest {
     ) -> PyResult<Picture> {
         watched(py, progress, |watch| {
             let shot = ready()?;
-            let begun = self.begun(&shot)?;
-            let light_layers = begun.options().light_layers.clone();
             let pool = self.threads.pool()?;
-            let frame = render_on(begun, &shot.world, &*shot.camera, &pool, watch, None, &mut |_| {});
-            self.finished(frame.picture, &light_layers, &frame.stats, &shot)
+            let (picture, light_layers, stats) = self.rendered(&shot, 0, &pool, watch, &mut |_| {})?;
+            self.finished(picture, &light_layers, &stats, &self.making(shot, 0))
         })
     }
 
+    /// The picture of a shot with all layers and noise, to which `add` adds; its layers of light, and statistics.
+    pub(crate) fn rendered(
+        &self,
+        shot: &Shot,
+        number: u64,
+        pool: &gnurt::ThreadPool,
+        watch: &Watch,
+        add: &mut dyn FnMut(&mut image::Picture),
+    ) -> PyResult<(image::Picture, Vec<LightLayer>, RenderStats)> {
+        let begun = self.begun(shot, number)?;
+        let light_layers = begun.options().light_layers.clone();
+        let mut frame = render_on(begun, &shot.world, &*shot.camera, pool, watch, None, &mut |_| {});
+        if self.options.aovs {
+            add(&mut frame.picture);
+        }
+        Ok((frame.picture, light_layers, frame.stats))
+    }
+
     /// A picture as callers get it.
-    fn finished(
+    pub(crate) fn finished(
         &self,
         mut picture: image::Picture,
         light_layers: &[LightLayer],
         stats: &RenderStats,
-        shot: &Shot,
+        making: &Making,
     ) -> PyResult<Picture> {
-        let crop = self.options.crop.and_then(|_| self.options.region().ok());
         if let Some(method) = self.denoise {
-            take_noise_out(&mut picture, method, crop, self.threads)?;
-            if !self.layers {
-                picture.make_opaque(crop);
-                picture.layers.clear();
-            }
+            take_noise_out(&mut picture, method, self.crop(), self.threads)?;
+        }
+        Ok(self.dressed(picture, light_layers, stats, making))
+    }
+
+    /// The same once the noise is out.
+    pub(crate) fn dressed(
+        &self,
+        mut picture: image::Picture,
+        light_layers: &[LightLayer],
+        stats: &RenderStats,
+        making: &Making,
+    ) -> Picture {
+        let crop = self.crop();
+        if self.denoise.is_some() && !self.layers {
+            picture.make_opaque(crop);
+            picture.layers.clear();
         }
         if let Some(list) = self.list.as_ref().filter(|_| self.layers) {
             list.apply(&mut picture, light_layers);
         }
-        if let Some(scene) = &shot.named {
+        if let Some(scene) = &making.named {
             mattes::describe(&mut picture, scene);
         }
-        picture.set_metadata("seed", self.options.seed.to_string());
+        picture.set_metadata("seed", making.seed.to_string());
         picture.set_metadata("integrator", self.options.integrator.to_string());
         picture.set_metadata("filter", self.options.filter.to_string());
         if self.layers {
             picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
         }
-        Ok(Picture { picture, exposure: shot.exposure, crop })
+        Picture { picture, exposure: making.exposure, crop }
     }
+}
+
+/// What a finished picture needs of its shot.
+pub(crate) struct Making {
+    pub(crate) exposure: Option<f32>,
+    /// The scene, if names of it are needed.
+    pub(crate) named: Option<gnurt::scene::Scene>,
+    pub(crate) seed: u64,
 }
 
 /// `True`, a text with words between commas, or a list of words: whether there are layers, and which.
@@ -311,7 +367,7 @@ pub(crate) struct Growing {
 
 impl Growing {
     pub(crate) fn new(request: BuildRequest, shot: Shot) -> PyResult<Self> {
-        let begun = request.begun(&shot)?;
+        let begun = request.begun(&shot, 0)?;
         Ok(Self { request, shot, so_far: Mutex::new(begun) })
     }
 }
@@ -340,6 +396,11 @@ impl Growing {
             let so_far = self.so_far.lock_py_attached(py).unwrap_or_else(std::sync::PoisonError::into_inner);
             (so_far.picture(), so_far.options().light_layers.clone(), so_far.stats().clone())
         };
-        py.detach(|| self.request.finished(picture, &light, &stats, &self.shot))
+        let making = Making {
+            exposure: self.shot.exposure,
+            named: self.shot.named.clone(),
+            seed: self.request.options.seed,
+        };
+        py.detach(|| self.request.finished(picture, &light, &stats, &making))
     }
 }

@@ -18,6 +18,7 @@ use crate::arrays::{Numbers, transform};
 use crate::described_mesh::DescribedMesh;
 use crate::described_strands::strands;
 use crate::describing;
+use crate::frames::Frames;
 use crate::given::Given;
 use crate::lights;
 use crate::materials::{Compiled, material_id, plain};
@@ -407,6 +408,15 @@ impl Scene {
     ) -> PyResult<Picture> {
         let request = BuildRequest::new(arguments)?;
         request.render(py, progress, || self.shoot(&request))
+    }
+
+    fn _frames(
+        &self,
+        py: Python<'_>,
+        times: &Bound<'_, PyDict>,
+        arguments: &Bound<'_, PyDict>,
+    ) -> PyResult<Frames> {
+        Frames::new(self.with(py, Stage::copy), times, arguments)
     }
 
     fn _grow(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<Growing> {

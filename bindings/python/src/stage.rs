@@ -14,7 +14,7 @@ use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Affine, Camera, CameraId, InstanceId, Scene, Texture, TextureId};
 use gnurt::shading::texture::TextureSampler;
 use gnurt::shading::{CameraShader, LightShader, PixelShader, SurfaceShader};
-use gnurt::{ThreadPool, camera_rays_along, named_camera_shader, put_named_shaders};
+use gnurt::{FramePose, ThreadPool, camera_rays_along, named_camera_shader, put_named_shaders};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 
@@ -39,6 +39,8 @@ pub(crate) struct View {
     pub(crate) force_diffuse: bool,
     /// Whether names of the scene go into the picture.
     pub(crate) needs_names: bool,
+    /// The box around the clip at all of its times, where that is known.
+    pub(crate) bounds: Option<Bounds>,
 }
 
 /// Transforms of instances, and cameras, at times evenly spaced while the shutter is open.
@@ -76,6 +78,12 @@ pub(crate) struct Shot {
     pub(crate) groups: Vec<String>,
     /// The scene, if names of it are needed.
     pub(crate) named: Option<Scene>,
+}
+
+/// A frame of a film, and those before and after it.
+pub(crate) struct Poses {
+    pub(crate) now: FramePose,
+    pub(crate) around: [Option<FramePose>; 2],
 }
 
 /// A scene and its world.
@@ -209,7 +217,10 @@ impl Stage {
     /// Makes it ready.
     pub(crate) fn shoot(&mut self, view: &View, pool: &ThreadPool) -> PyResult<Shot> {
         let clip = self.clip(view)?;
-        let bounds = clip.and_then(|(clip, _)| defaults::bounds_over(&mut self.scene.clone(), clip));
+        let bounds = match view.bounds {
+            Some(bounds) => Some(bounds),
+            None => clip.and_then(|(clip, _)| defaults::bounds_over(&mut self.scene.clone(), clip)),
+        };
         let camera = self.camera(view, bounds)?;
         let number = if matches!(view.camera, Aim::Own(_)) { None } else { self.number(view)? };
         let camera_shader = self.camera_shader(view, number);
@@ -259,6 +270,44 @@ impl Stage {
         let groups = scene.labels().group_names().into_iter().map(str::to_owned).collect();
         let named = view.needs_names.then(|| scene.clone());
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure, groups, named })
+    }
+
+    /// The box around the clip of a view at all of its times.
+    pub(crate) fn bounds(&self, view: &View) -> PyResult<Option<Bounds>> {
+        let clip = self.clip(view)?;
+        Ok(clip.and_then(|(clip, _)| defaults::bounds_over(&mut self.scene.clone(), clip)))
+    }
+
+    /// The first time of a view's clip, in seconds.
+    pub(crate) fn clip_start(&self, view: &View) -> PyResult<Option<f64>> {
+        let clip = self.clip(view)?;
+        Ok(clip.and_then(|(clip, _)| Some(self.scene.animation()?.clips.get(clip)?.range()[0])))
+    }
+
+    /// Makes a frame of a clip ready, with its pose and those at two other times.
+    pub(crate) fn shoot_between(
+        &mut self,
+        view: &View,
+        around: [Option<f64>; 2],
+        pool: &ThreadPool,
+    ) -> PyResult<(Shot, Poses)> {
+        let shot = self.shoot(view, pool)?;
+        let clip = self.clip(view)?.map_or(0, |(clip, _)| clip);
+        let number = if matches!(view.camera, Aim::Own(_)) { None } else { self.number(view)? };
+        let own = self.camera(view, view.bounds)?;
+        let shown = self.shown.as_mut().ok_or_else(|| PyValueError::new_err("the scene is not shown"))?;
+        let pose = |scene: &Scene| {
+            let camera = number.map_or(&own, |number| &scene.cameras()[number]);
+            FramePose::of(scene, camera)
+        };
+        let now = pose(&shown.scene);
+        let around = around.map(|time| {
+            time.map(|seconds| {
+                shown.scene.pose(clip, seconds);
+                pose(&shown.scene)
+            })
+        });
+        Ok((shot, Poses { now, around }))
     }
 
     /// The shader of camera rays: the requested one, or that of the scene's file.

@@ -25,6 +25,29 @@ const HEAT_PER_PIXEL: u64 = 40;
 /// The output of a denoiser.
 const CLEAN_PER_PIXEL: u64 = 160;
 
+/// Of a film: a frame that others borrow light from, one that waits, and the work on one.
+const FILM_PER_PIXEL: [u64; 3] = [110, 200, 400];
+
+/// Bytes that the frames of a film's window take, with `reach` frames on each side, and the work on one of them.
+#[must_use]
+pub fn window_bytes([width, height]: [u32; 2], reach: usize) -> u64 {
+    let [borrowed, waits, work] = FILM_PER_PIXEL;
+    let frames = (2 * reach as u64 + 1) * (borrowed + waits) + work;
+    (u64::from(width) * u64::from(height)).saturating_mul(frames)
+}
+
+/// As many frames on each side of a film's window, up to `reach`, as fit into the free memory of the machine with `more` bytes.
+///
+/// # Errors
+/// [`Error::Memory`] if `is_firm` and `reach` does not fit; if free memory is unknown, it fits.
+pub fn fitting_reach(size: [u32; 2], reach: usize, more: u64, is_firm: bool) -> Result<usize, Error> {
+    let fits = |reach: usize| check_more(size, window_bytes(size, reach).saturating_add(more));
+    if is_firm {
+        fits(reach)?;
+    }
+    Ok((1..=reach).rev().find(|&reach| fits(reach).is_ok()).unwrap_or(0))
+}
+
 /// Bytes that a picture under these options takes, its file's included, about; `is_denoised` if the noise is taken out of it.
 #[must_use]
 pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {

@@ -340,6 +340,35 @@ class Scene(_Scene):
             _warn(self._progress())
             yield growing.picture()
 
+    def frames(
+        self, numbers, width=640, height=480, *, fps=24.0, animation=None, denoise_window=None, progress=None, **options
+    ):
+        """Pictures of the frames of an animation, one after the other, as the program's --frames renders them.
+
+        `numbers` is a range from 0 on with a positive step, such as range(48). Frame f shows the scene at f / `fps` seconds of
+        `animation`, by name, or of the first one, under the seed `seed` + f. `options` are those of `render`, but for at, motion and
+        `progress`, which counts each frame. With denoise=True a frame borrows light from `denoise_window` frames on each side, 0 to 16, by
+        default 3 or as many as fit into memory; 0 filters each by itself. So a frame comes when those after it have been rendered.
+        filter="box" is the program's. With layers=True frames have the layer `motion`. All frames are saved with one exposure, measured at the
+        animation's first time. Later changes of the scene do not show. A scene without animation and wrong arguments are a ValueError.
+        """
+        if not isinstance(numbers, range) or numbers.step < 1 or (numbers and numbers[0] < 0):
+            raise ValueError(f"numbers: expected a range from 0 on with a positive step, such as range(48), not {numbers!r}")
+        times = {"first": numbers[0] if numbers else 0, "step": numbers.step, "count": len(numbers), "fps": fps}
+        times |= {"animation": animation, "denoise_window": denoise_window}
+        return _each(self._frames(times, {"width": width, "height": height, **options}), progress)
+
+
+def _each(frames, progress):
+    """The frames, each once it is done."""
+    while True:
+        with _told(progress) as tell:
+            picture = frames.next(tell)
+        _warn(frames.progress())
+        if picture is None:
+            return
+        yield picture
+
 
 def load(source):
     """A scene of a file (.glb, .gltf, .obj, .ply) or "builtin:NAME". What is odd about the file is warned of."""

@@ -173,6 +173,18 @@ class Scene:
         progress: Callable[[float], object] | Literal[True] | None = None,
         **options: Any,
     ) -> Picture: ...
+    def frames(
+        self,
+        numbers: range,
+        width: int = 640,
+        height: int = 480,
+        *,
+        fps: float = 24.0,
+        animation: str | None = None,
+        denoise_window: int | None = None,
+        progress: Callable[[float], object] | Literal[True] | None = None,
+        **options: Any,
+    ) -> Iterator[Picture]: ...
     def accumulate(
         self,
         width: int = 640,

@@ -8,10 +8,9 @@ use std::path::{Path, PathBuf};
 use gnurt::denoise::film::{Film, REACH};
 use gnurt::denoise::{self, Options, Used, adopt, denoise, has_motion};
 use gnurt::image::{self, Picture};
-use gnurt::memory::check_more;
+use gnurt::memory::fitting_reach;
 use gnurt::{Numbered, ThreadPool};
 
-use super::film::window_bytes;
 use crate::arguments::{DenoiseArguments, DisplayOptions};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -164,13 +163,8 @@ impl Call<'_> {
             reach = 0;
         }
         let size = [first.width, first.height];
-        let fits = |reach: usize| check_more(size, window_bytes(size, reach));
-        if self.arguments.denoise_window.is_some() {
-            fits(reach).map_err(|why| Failure::data(format_args!("--denoise-window {reach}: {why}")))?;
-        }
-        while reach > 0 && fits(reach).is_err() {
-            reach -= 1;
-        }
+        let reach = fitting_reach(size, reach, 0, self.arguments.denoise_window.is_some())
+            .map_err(|why| Failure::data(format_args!("--denoise-window {reach}: {why}")))?;
         Ok(Film::new(self.options.clone(), reach, count))
     }
 

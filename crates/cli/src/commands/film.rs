@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use gnurt::ThreadPool;
 use gnurt::denoise::film::Film;
-use gnurt::memory::{check_more, picture_bytes};
+use gnurt::memory::{fitting_reach, picture_bytes};
 use gnurt::render::{Frame, RenderOptions, RenderStats};
 
 use super::frame::{Plan, Ready, Targets, appear, label, render_frame, report, report_faults, save};
@@ -15,9 +15,6 @@ use crate::arguments::RenderArguments;
 use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
 use crate::signals;
-
-/// Bytes per pixel of a frame that others borrow from, of one that waits, and of the work on one.
-const PER_PIXEL: [u64; 3] = [110, 200, 400];
 
 /// What belongs to a frame that waits.
 struct Waiting {
@@ -51,14 +48,9 @@ impl Filtered {
         let Some(range) = arguments.times.frames.filter(|_| options.piece.is_none()) else { return Ok(None) };
         let Some(filter) = &plan.filter else { return Ok(None) };
         let size = [options.width, options.height];
-        let fits = |reach: usize| check_more(size, bytes(options, reach));
-        let mut reach = arguments.times.reach();
-        if arguments.times.is_window_given() {
-            fits(reach).map_err(|why| Failure::data(format_args!("--denoise-window {reach}: {why}")))?;
-        }
-        while reach > 0 && fits(reach).is_err() {
-            reach -= 1;
-        }
+        let (reach, is_given) = (arguments.times.reach(), arguments.times.is_window_given());
+        let reach = fitting_reach(size, reach, picture_bytes(options, true), is_given)
+            .map_err(|why| Failure::data(format_args!("--denoise-window {reach}: {why}")))?;
         let count = range.count();
         let is_film = reach > 0 && count > 1;
         Ok(is_film.then(|| Self { film: Film::new(filter.options.clone(), reach, count) }))
@@ -116,16 +108,4 @@ fn write(
     appear(&mut frame.picture, (arguments, plan), ready, &options);
     save(&frame, &plan.targets, ready, arguments, &options, messages)?;
     report(arguments, begin, plan, ready, &options, &frame, messages)
-}
-
-/// Memory of a window.
-fn bytes(options: &RenderOptions, reach: usize) -> u64 {
-    window_bytes([options.width, options.height], reach).saturating_add(picture_bytes(options, true))
-}
-
-/// Memory of the frames of a window and the work on one.
-pub(super) fn window_bytes([width, height]: [u32; 2], reach: usize) -> u64 {
-    let [borrowed, waits, work] = PER_PIXEL;
-    let frames = (2 * reach as u64 + 1) * (borrowed + waits) + work;
-    (u64::from(width) * u64::from(height)).saturating_mul(frames)
 }
