@@ -72,8 +72,8 @@ struct Triangulated(Arc<Geometry>);
 
 /// A geometry, for a material of this class.
 fn geometry(object: &Object, class: u32, report: Report) -> Option<Arc<Geometry>> {
-    let has_inside = class & (class::GLASS | class::HOLES) != 0;
-    let shapes = Shapes { emit: class & class::EMITS != 0, show_inside: has_inside };
+    let shines = class & class::EMITS != 0;
+    let shapes = if shines { Shapes::Triangles } else { Shapes::Exact };
     let make = || {
         let (geometry, warning) = build(object, shapes)?;
         if let Some(warning) = warning {
@@ -81,9 +81,7 @@ fn geometry(object: &Object, class: u32, report: Report) -> Option<Arc<Geometry>
         }
         Ok(geometry)
     };
-    // Spheres have an inside, curves have none.
-    let is_by_triangles = shapes.emit || shapes.show_inside && object.subtype == "curve";
-    if !is_by_triangles || !["sphere", "curve"].contains(&object.subtype.as_str()) {
+    if !shines {
         return made(object, report, make);
     }
     made(object, report, || make().map(|geometry| Triangulated(Arc::new(geometry)))).map(|it| it.0.clone())

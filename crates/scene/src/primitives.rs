@@ -29,6 +29,9 @@ pub struct Curves {
     /// By segment: how far along its strand it begins and ends, from 0 at the root to 1 at the tip. Empty = each is a
     /// strand of its own.
     pub spans: Vec<[f32; 2]>,
+    /// Whether rays hit round curves from inside, too, as pipes and rods of glass. Fibres are hit from outside alone, and
+    /// their lobes say how light leaves them.
+    pub has_inside: bool,
 }
 
 /// How the vertices of a curve make its points.
@@ -106,7 +109,7 @@ impl Curves {
             spans.extend((0..count).map(|i| [along(i), along(i + 1)]));
             first += length;
         }
-        Self { basis, form, radii: Vec::new(), segments, spans }
+        Self { basis, form, segments, spans, ..Self::default() }
     }
 }
 

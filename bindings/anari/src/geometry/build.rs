@@ -25,8 +25,8 @@ fn shape(object: &Object, shapes: Shapes) -> Result<(Geometry, Option<String>), 
         "triangle" => faces::faces::<3>(&now),
         "quad" => faces::faces::<4>(&now),
         "sphere" => segments::spheres(&now, shapes),
-        "cylinder" => segments::cylinders(&now),
-        "cone" => segments::cones(&now),
+        "cylinder" => segments::cylinders(&now, shapes),
+        "cone" => segments::cones(&now, shapes),
         "curve" => segments::curves(&now, shapes),
         "isosurface" => {
             let field = now.object("field", types::SPATIAL_FIELD).ok_or("parameter 'field': missing")?;

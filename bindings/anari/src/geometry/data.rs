@@ -4,11 +4,13 @@
 
 use std::sync::{Arc, Mutex};
 
-use gnurt::scene::{Affine, MaterialId, Mesh, Primitives as Surfaces};
+use glam::Vec3;
+use gnurt::scene::{Affine, CurveBasis, MaterialId, Mesh, Primitives as Surfaces};
 
 use super::rates::Rates;
 use crate::attribute::{Color, FREE, mix, weighted};
 use crate::object::lock;
+use crate::transforms::linear;
 
 /// Which primitive a triangle, a sphere or a piece of a curve belongs to.
 pub(crate) enum Primitives {
@@ -54,6 +56,8 @@ pub(crate) enum Form {
     Ball,
     /// The unit cylinder.
     Rod,
+    /// The unit disc.
+    Disc,
 }
 
 /// Triangles, spheres or curves, once or in many places.
@@ -95,6 +99,12 @@ impl Part {
             match &self.mesh.primitives {
                 Surfaces::Triangles => {}
                 Surfaces::Spheres(radii) => radii.iter().enumerate().for_each(|(i, &radius)| ball(i, radius)),
+                Surfaces::Curves(curves) if curves.basis == CurveBasis::Bezier => {
+                    let tubes = curves.segments.iter().map(|&first| first as usize);
+                    tubes.for_each(|first| {
+                        self.extend_by_tube(first, &curves.radii, world_from_object, bounds)
+                    });
+                }
                 Surfaces::Curves(curves) => {
                     let ends = curves.segments.iter().flat_map(|&first| [first, first + 1]);
                     ends.for_each(|vertex| ball(vertex as usize, curves.radii[vertex as usize]));
@@ -109,12 +119,29 @@ impl Part {
             let [x, y, z, middle] = (*world_from_object * placement.object_from_part).columns;
             let length =
                 |with: f64| [0, 1, 2].map(|k| (x[k] * x[k] + y[k] * y[k] + with * z[k] * z[k]).sqrt());
-            if self.form == Form::Ball {
-                bounds.add(middle, length(1.0));
-            } else {
-                bounds.add(middle, length(0.0));
-                bounds.add([0, 1, 2].map(|k| middle[k] + z[k]), length(0.0));
+            match self.form {
+                Form::Ball => bounds.add(middle, length(1.0)),
+                Form::Disc => bounds.add(middle, length(0.0)),
+                Form::Mesh | Form::Rod => {
+                    bounds.add(middle, length(0.0));
+                    bounds.add([0, 1, 2].map(|k| middle[k] + z[k]), length(0.0));
+                }
             }
+        }
+    }
+
+    /// Widens a box by the circles at both ends of a straight tube of four vertices.
+    fn extend_by_tube(&self, first: usize, radii: &[f32], world_from_object: &Affine, bounds: &mut Bounds) {
+        let ends = [first, first + 3];
+        let [a, b] = ends.map(|vertex| Vec3::from(self.mesh.positions[vertex]));
+        let Some(along) = (b - a).try_normalize() else { return };
+        let (x, y) = along.any_orthonormal_pair();
+        let matrix = linear(world_from_object);
+        let [x, y] = [matrix * x, matrix * y].map(|v| v.to_array().map(f64::from));
+        for vertex in ends {
+            let radius = f64::from(radii[vertex]);
+            let reach = [0, 1, 2].map(|k: usize| radius * (x[k] * x[k] + y[k] * y[k]).sqrt());
+            bounds.add(world_from_object.point(self.mesh.positions[vertex].map(f64::from)), reach);
         }
     }
 
@@ -252,10 +279,10 @@ impl Geometry {
 
     /// How far a place lies from the first end towards the second one, from 0 to 1.
     fn between(&self, spot: &Spot) -> f32 {
-        let end = |k: usize| self.points.get(spot.ends[k] as usize).map(|&p| glam::Vec3::from(p));
+        let end = |k: usize| self.points.get(spot.ends[k] as usize).map(|&p| Vec3::from(p));
         let (Some(a), Some(b)) = (end(0), end(1)) else { return 0.0 };
         let axis = b - a;
-        let share = (glam::Vec3::from(spot.position) - a).dot(axis) / axis.length_squared();
+        let share = (Vec3::from(spot.position) - a).dot(axis) / axis.length_squared();
         if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
     }
 }

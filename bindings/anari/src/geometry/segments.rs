@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Spheres, cylinders, cones and curves. Spheres and curves are those of the kernels, unless triangles are needed: see
-//! [`Shapes`]. As triangles, spheres and cylinders are unit shapes in many places; cones, whose form differs, have 64 sides each. A
-//! curve's pieces are the cones that touch the balls around both vertices, and those balls. Tests: tests/shapes.rs.
+//! Spheres, cylinders, cones and curves by the kernels: cylinders and cones are straight cubic tubes, which have open ends, with
+//! discs where they are closed. Light is sampled on triangles, so what shines is made of these: spheres and cylinders are unit shapes in many
+//! places; cones, whose form differs, have 64 sides each; a curve's pieces are the cones that touch the balls around both
+//! vertices, and those balls. Tests: tests/{rounds,shapes}.rs.
 
 use glam::Vec3;
 use gnurt::scene::{Affine, CurveBasis, CurveForm, Curves, Mesh, Primitives as Surfaces};
@@ -15,13 +16,13 @@ use crate::object::Snapshot;
 /// Sides of a cone.
 const SIDES: u32 = 64;
 
-/// What spheres and curves are made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Shapes {
-    /// Light is sampled on triangles alone.
-    pub(crate) emit: bool,
-    /// The kernels' curves have no inside.
-    pub(crate) show_inside: bool,
+/// What round shapes are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shapes {
+    /// The kernels' own.
+    Exact,
+    /// Triangles, for shapes that shine.
+    Triangles,
 }
 
 type Built = Result<(Geometry, Option<String>), String>;
@@ -55,7 +56,7 @@ pub(super) fn spheres(now: &Snapshot, shapes: Shapes) -> Built {
     let warning = reported(wrong, rows.len());
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
     let radius = |vertex: u32| radius_at(&radii, vertex as usize, otherwise);
-    let part = if shapes.emit {
+    let part = if shapes == Shapes::Triangles {
         let ball_of = |(i, row): (usize, &Option<[u32; 1]>)| {
             let [vertex] = (*row)?;
             Some(ball(points[vertex as usize], radius(vertex), i as u32, vertex))
@@ -90,13 +91,74 @@ fn caps(now: &Snapshot) -> impl Fn([u32; 2]) -> [bool; 2] + use<> {
     }
 }
 
+/// Straight tubes of the kernels and discs at their ends.
+#[derive(Default)]
+struct Tubes {
+    mesh: Mesh,
+    curves: Curves,
+    numbers: Vec<u32>,
+    /// The program's vertex for each of the mesh.
+    vertices: Vec<u32>,
+    discs: Vec<Placement>,
+}
+
+impl Tubes {
+    fn add(&mut self, ends: [[f32; 3]; 2], radii: [f32; 2], caps: [bool; 2], primitive: u32, row: [u32; 2]) {
+        let [a, b] = ends.map(Vec3::from);
+        let Some(along) = (b - a).try_normalize() else { return };
+        if radii == [0.0; 2] {
+            return;
+        }
+        self.numbers.push(primitive);
+        self.curves.segments.push(self.mesh.positions.len() as u32);
+        for k in 0..4_u8 {
+            let share = f32::from(k) / 3.0;
+            // Both ends are as the program has them.
+            let at = if k == 3 { b } else { a + (b - a) * share };
+            self.mesh.positions.push(at.to_array());
+            self.curves.radii.push(radii[0] + (radii[1] - radii[0]) * share);
+            self.vertices.push(row[usize::from(k / 2)]);
+        }
+        let (x, y) = along.any_orthonormal_pair();
+        for end in [0, 1] {
+            if caps[end] && radii[end] > 0.0 {
+                let column = |v: Vec3| v.to_array().map(f64::from);
+                let (out, y) = if end == 0 { (-along, -y) } else { (along, y) };
+                let columns =
+                    [column(x * radii[end]), column(y * radii[end]), column(out), ends[end].map(f64::from)];
+                let object_from_part = Affine { columns };
+                self.discs.push(Placement { object_from_part, primitive, ends: [row[end]; 2] });
+            }
+        }
+    }
+
+    fn parts(self) -> Vec<Part> {
+        let Self { mesh, curves, numbers, vertices, discs } = self;
+        let (basis, form, has_inside) = (CurveBasis::Bezier, CurveForm::Round, true);
+        let curves = Curves { basis, form, has_inside, ..curves };
+        let mesh = Mesh { primitives: Surfaces::Curves(Box::new(curves)), ..mesh };
+        let tubes = Part::once(mesh, Primitives::Listed(numbers), Vertices::Listed(vertices));
+        let discs = (!discs.is_empty()).then(|| Part::placed(unit::disc(), Form::Disc, discs));
+        [Some(tubes), discs].into_iter().flatten().collect()
+    }
+}
+
 /// Cylinders.
-pub(super) fn cylinders(now: &Snapshot) -> Built {
+pub(super) fn cylinders(now: &Snapshot, shapes: Shapes) -> Built {
     let points = positions(now)?;
     let (rows, wrong) = indices::<2>(now, points.len())?;
     let warning = reported(wrong, rows.len());
     let (radii, otherwise) = (list(now, "primitive.radius"), now.f32("radius").unwrap_or(1.0));
     let caps = caps(now);
+    if shapes == Shapes::Exact {
+        let mut tubes = Tubes::default();
+        for (i, &row) in rows.iter().enumerate() {
+            let ends = row.map(|vertex| points[vertex as usize]);
+            tubes.add(ends, [radius_at(&radii, i, otherwise); 2], caps(row), i as u32, row);
+        }
+        let parts = tubes.parts();
+        return Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points }, warning));
+    }
     let mut by_caps: [Vec<Placement>; 4] = Default::default();
     for (i, &row) in rows.iter().enumerate() {
         let ends = row.map(|vertex| points[vertex as usize]);
@@ -133,12 +195,22 @@ impl Cones {
 }
 
 /// Cones.
-pub(super) fn cones(now: &Snapshot) -> Built {
+pub(super) fn cones(now: &Snapshot, shapes: Shapes) -> Built {
     let points = positions(now)?;
     let (rows, wrong) = indices::<2>(now, points.len())?;
     let warning = reported(wrong, rows.len());
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
     let caps = caps(now);
+    if shapes == Shapes::Exact {
+        let mut tubes = Tubes::default();
+        for (i, &row) in rows.iter().enumerate() {
+            let ends = row.map(|vertex| points[vertex as usize]);
+            let radii = row.map(|vertex| radius_at(&radii, vertex as usize, otherwise));
+            tubes.add(ends, radii, caps(row), i as u32, row);
+        }
+        let parts = tubes.parts();
+        return Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points }, warning));
+    }
     let mut cones = Cones::default();
     for (i, &row) in rows.iter().enumerate() {
         let ends = row.map(|vertex| Vec3::from(points[vertex as usize]));
@@ -151,7 +223,7 @@ pub(super) fn cones(now: &Snapshot) -> Built {
 
 /// Curves.
 pub(super) fn curves(now: &Snapshot, shapes: Shapes) -> Built {
-    if shapes.emit || shapes.show_inside { curve_meshes(now) } else { kernel_curves(now) }
+    if shapes == Shapes::Triangles { curve_meshes(now) } else { kernel_curves(now) }
 }
 
 /// A piece of a curve: its number, and the first of its two vertices.
@@ -192,6 +264,7 @@ fn kernel_curves(now: &Snapshot) -> Built {
         radii: (0..points.len()).map(|vertex| radius_at(&radii, vertex, otherwise)).collect(),
         segments,
         spans: Vec::new(),
+        has_inside: true,
     };
     let primitives = Surfaces::Curves(Box::new(curves));
     let mesh = Mesh { positions: points, primitives, ..Mesh::default() };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Unit shapes that placements put where spheres and cylinders are, fine enough that their outlines look round.
+//! Unit shapes that placements put where spheres, cylinders and ends of tubes are, fine enough that their outlines look round.
 //! A sphere is an icosahedron divided five times: 20,480 triangles, at most 0.0004 radii inside of the sphere. A cylinder has 128 sides:
 //! at most 0.0003 radii inside. Space: the sphere has radius 1 around the origin, the cylinder radius 1 from z = 0 to 1.
 //! Tests: `tests`.
@@ -92,6 +92,23 @@ fn tube(caps: [bool; 2]) -> Mesh {
     let mut mesh = Mesh::default();
     frustum(&mut mesh, [Vec3::ZERO, Vec3::Z], [1.0, 1.0], SIDES, caps);
     mesh
+}
+
+/// Sides of a disc: at most 0.00002 radii inside of the circle.
+const DISC_SIDES: u32 = 512;
+
+/// The unit disc around the origin, whose normal is z.
+pub(crate) fn disc() -> Arc<Mesh> {
+    static DISC: LazyLock<Arc<Mesh>> = LazyLock::new(|| {
+        let mut positions = vec![[0.0; 3]];
+        positions.extend((0..DISC_SIDES).map(|side| {
+            let (sin, cos) = (side as f32 / DISC_SIDES as f32 * TAU).sin_cos();
+            [cos, sin, 0.0]
+        }));
+        let indices = (0..DISC_SIDES).map(|side| [0, 1 + side, 1 + (side + 1) % DISC_SIDES]).collect();
+        Arc::new(Mesh { positions, indices, ..Mesh::default() })
+    });
+    DISC.clone()
 }
 
 /// Appends a cone, cut or pointed, between two places with these radii; ends of radius 0 are points. Vertices come in rings: those of the

@@ -65,7 +65,7 @@ fn curves_of<'a>(
     let normals = if form == accel::CurveForm::Oriented { normals } else { &[] };
     // Light that enters a fibre leaves it by its lobes.
     accel::Curves {
-        is_seen_from_outside: true,
+        is_seen_from_outside: !curves.has_inside,
         ..accel::Curves::new(basis, form, vertices, segments).with_normals(normals)
     }
 }
