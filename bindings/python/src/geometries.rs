@@ -13,7 +13,7 @@ use crate::arrays::{Numbers, array, of_type, transform};
 use crate::ffi_arrays::Rows;
 use crate::retained::{radii, retained, rows, whole};
 
-/// What the primitives of a geometry are.
+/// Kinds of primitives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Triangles,
@@ -23,7 +23,7 @@ pub(crate) enum Kind {
     Curves(CurveBasis, CurveForm),
 }
 
-/// What a ray sees of a point.
+/// The surface of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PointForm {
     /// A sphere.
@@ -286,7 +286,7 @@ impl StoredGeometry {
         self.arrays.others().into_iter().try_for_each(|array| visit.call(array))
     }
 
-    /// What pickle keeps: vertices, faces and a transform of triangles, arguments by their names of others.
+    /// For pickle: vertices, faces and a transform of triangles, arguments by their names of others.
     pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let Arrays { vertices, indices, radii, normals, tangents, normal_tangents } = &self.arrays;
         let placement = self.placement.as_ref().map(matrix);
@@ -332,7 +332,7 @@ impl StoredGeometry {
         })
     }
 
-    /// What `pickled` returned, checked.
+    /// A geometry from the value of `pickled`, checked.
     pub(crate) fn restored(kept: Object, dtype: &str) -> PyResult<Self> {
         let Ok(all) = kept.cast::<PyDict>() else {
             let (vertices, faces, placement): (Bound<PyAny>, Bound<PyAny>, Option<Bound<PyAny>>) =

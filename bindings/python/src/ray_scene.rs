@@ -380,9 +380,9 @@ impl RayScene {
     /// vertices each strand has, whose sum is n, by default one strand of all; or `segments`: (m,) whole numbers, the first
     /// vertex of each curve. `prim_id` counts curves, strand by strand.
     ///
-    /// `basis` and the vertices that a curve has: "linear" 2, straight; "bezier" 4, of which the next curve shares the last;
-    /// "bspline" 4, which it does not meet, and "catmull-rom" 4, from the second to the third, of which the next curve shares
-    /// three; "hermite" 2, with `tangents`, (n, 4): derivatives of position and radius. `form`: "flat" for ribbons that face each
+    /// A curve has 4 vertices, or 2 with `basis` "linear" or "hermite". "bezier" goes from the first to the last, which the next
+    /// curve shares. "catmull-rom" goes from the second to the third; "bspline" meets none; the next curve shares three.
+    /// "hermite" has `tangents`, (n, 4): derivatives of position and radius. `form`: "flat" for ribbons that face each
     /// ray, "round" for tubes without caps, and cones with spheres at their ends where straight, "oriented" for ribbons across
     /// `normals`, (n, 3), which have `normal_tangents`, (n, 3), on Hermite curves. Curves without length or radius are left out.
     /// `transform`: as of `add_triangles`, with the same scale in all directions; `copy`: the same. Scenes of float64 have none.

@@ -131,7 +131,7 @@ impl BuildRequest {
         self.options.crop.and_then(|_| self.options.region().ok())
     }
 
-    /// What a picture is made of, under the seed of the request plus a number.
+    /// The origin of a picture, under the seed of the request plus a number.
     pub(crate) fn making(&self, shot: Shot, number: u64) -> Making {
         let Shot { exposure, named, .. } = shot;
         Making { exposure, named, seed: self.options.seed.wrapping_add(number) }
@@ -240,7 +240,7 @@ impl BuildRequest {
     }
 }
 
-/// What a finished picture needs of its shot.
+/// The parts of a shot that its finished picture needs.
 pub(crate) struct Making {
     pub(crate) exposure: Option<f32>,
     /// The scene, if names of it are needed.

@@ -23,7 +23,7 @@ pub(crate) fn retained(
     Ok(view.unbind())
 }
 
-/// Numbers of the argument `name` in rows of `width`, as many as vertices if that is known.
+/// Numbers of the argument `name` in rows of `width`, one for each vertex if their number is known.
 pub(crate) fn rows(
     name: &str,
     value: &Bound<'_, PyAny>,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Spheres, cylinders, cones and curves by the kernels: cylinders and cones are straight cubic tubes, which have open ends, with
-//! discs where they are closed. Light is sampled on triangles, so what shines is made of these: spheres and cylinders are unit shapes in many
-//! places; cones, whose form differs, have 64 sides each; a curve's pieces are the cones that touch the balls around both
-//! vertices, and those balls. Tests: tests/{rounds,shapes}.rs.
+//! discs where they are closed. Light is sampled on triangles, so shapes that shine are made of these. Spheres and cylinders are
+//! unit shapes in many places then. Cones, whose form differs, have 64 sides each. A curve's pieces are the cones that touch the
+//! balls around both vertices, and those balls. Tests: tests/{rounds,shapes}.rs.
 
 use glam::Vec3;
 use gnurt::scene::{Affine, CurveBasis, CurveForm, Curves, Mesh, Primitives as Surfaces};
@@ -16,7 +16,7 @@ use crate::object::Snapshot;
 /// Sides of a cone.
 const SIDES: u32 = 64;
 
-/// What round shapes are made of.
+/// The surfaces of round shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shapes {
     /// The kernels' own.

@@ -348,7 +348,7 @@ class Scene(_Scene):
         `numbers` is a range from 0 on with a positive step, such as range(48). Frame f shows the scene at f / `fps` seconds of
         `animation`, by name, or of the first one, under the seed `seed` + f. `options` are those of `render`, but for at, motion and
         `progress`, which counts each frame. With denoise=True a frame borrows light from `denoise_window` frames on each side, 0 to 16, by
-        default 3 or as many as fit into memory; 0 filters each by itself. So a frame comes when those after it have been rendered.
+        default 3 or the number that fits into memory; 0 filters each by itself. So a frame comes when those after it have been rendered.
         filter="box" is the program's. With layers=True frames have the layer `motion`. All frames are saved with one exposure, measured at the
         animation's first time. Later changes of the scene do not show. A scene without animation and wrong arguments are a ValueError.
         """
