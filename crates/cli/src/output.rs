@@ -123,7 +123,7 @@ impl Output {
                 "--compression pxr24 rounds the ids of Cryptomatte; give another compression",
             ));
         }
-        let bytes = with_workers(|workers| image::encode_with(picture, self.format, options, workers))?
+        let bytes = with_workers(|workers| image::encode_with(picture, self.format, options, workers))
             .map_err(|error| Failure::data(format_args!("{}: {error}", self.path.display())))?;
         let replaced = while_writing(|| image::replace_file_if(&self.path, &bytes, || !is_leaving()));
         replaced.map(drop).map_err(Failure::data)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Threads and instruction set of a command. Tests: `tests/program/arguments.rs`.
 
+use std::cell::OnceCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use gnurt::image::Workers;
@@ -12,11 +13,13 @@ use crate::failure::Failure;
 /// The number that the command was given.
 static THREADS: AtomicUsize = AtomicUsize::new(1);
 
-/// Calls a function with workers: as many threads as [`machine`] found, else the calling one.
-pub(crate) fn with_workers<T>(f: impl FnOnce(Workers) -> T) -> Result<T, Failure> {
+/// Calls a function with workers: as many threads as [`machine`] found, once it uses them. The calling thread is enough for a
+/// picture that is done, if the system refuses more.
+pub(crate) fn with_workers<T>(f: impl FnOnce(Workers) -> T) -> T {
+    let pool = OnceCell::new();
     let threads = THREADS.load(Ordering::Relaxed);
-    let pool = if threads == 1 { None } else { Some(gnurt::thread_pool(threads).map_err(Failure::data)?) };
-    Ok(f(&gnurt::workers(pool.as_ref())))
+    let begin = || if threads == 1 { None } else { gnurt::thread_pool(threads).ok() };
+    f(&|count, job| gnurt::workers(pool.get_or_init(begin).as_ref())(count, job))
 }
 
 /// Options take precedence over the environment, which takes precedence over the machine's properties.

@@ -2,9 +2,8 @@
 //! Writing an EXR: one flat part with the colour as R, G, B, A and every layer's channels as `layer.channel`.
 //! Names as other renderers and viewers use them. R, G, B are the foreground, over nothing and associated
 //! with A [PD84]; the background is the layer `background`, to be added. Chromaticities are those of Rec. 709.
-//! The caller's workers compress blocks. Invariants: pixels are exact in the
-//! chosen precision; finite values stay finite in half precision; the bytes do not depend on the workers. Tests:
-//! `tests/round_trip.rs`.
+//! The caller's workers compress blocks. Invariants: pixels are exact in the chosen precision; finite values stay
+//! finite in half precision; the bytes do not depend on the workers. Tests: `tests/round_trip.rs`.
 
 use std::collections::HashSet;
 use std::io::Cursor;
