@@ -18,10 +18,10 @@ use gnurt_shading::{Leaving, Rays, SampleKey, SurfaceBatch, Vec3s};
 
 use super::flight::{Parts, Random};
 use super::medium_vertices::MediumVertices;
-use super::mis::{most_light_samples, power_heuristic, splits};
+use super::mis::{most_light_samples, power_heuristic};
 use super::paths::{Of, Paths, Scattered};
 use super::step::Onward;
-use super::width::Width;
+use super::width::{LightRequests, Width, for_each_light_sample};
 use super::{add, roulette};
 use crate::expressions::{Ledger, Scatter};
 use crate::options::RenderOptions;
@@ -211,21 +211,13 @@ fn scatter_lanes<W: Width>(
     let error = p.abs().max_element() * ERROR_SCALE;
     if !lights.is_empty() {
         let points = LitVertices { of, p, along, phase: &phase, throughput, error };
-        let mut firsts = 0;
-        for (i, &edges) in edges.iter().enumerate().take(lanes) {
-            firsts |= u64::from(splits(lights, edges)) << i;
-        }
-        let firsts = there & zero.points(firsts);
-        if W::R::any(there & !firsts) {
-            let numbers = W::triple(draws, purpose::LIGHT_POSITION);
-            take_light_sample(width, world, &points, (there & !firsts, None, numbers), onward);
-        }
-        if W::R::any(firsts) {
-            for group in lights.split_groups() {
-                let numbers = W::triple(draws, purpose::LIGHT_GROUP + group as u32);
-                take_light_sample(width, world, &points, (firsts, Some(group), numbers), onward);
-            }
-        }
+        for_each_light_sample(
+            width,
+            (lights, draws),
+            (there, &edges),
+            #[inline(always)]
+            |sample| take_light_sample(width, world, &points, sample, onward),
+        );
     }
     let [x, y, choice] = W::triple(draws, purpose::DIRECTION);
     let [_, survival] = W::pair(draws, purpose::CHOICE);
@@ -277,7 +269,7 @@ fn take_light_sample<W: Width>(
     width: W,
     world: &World,
     vertices: &LitVertices<W::R>,
-    (requests, group, [x, y, choice]): (<W::R as Real>::Mask, Option<usize>, [W::R; 3]),
+    (requests, group, [x, y, choice]): LightRequests<W>,
     onward: &mut Onward,
 ) {
     let &LitVertices { of, p, along, phase, throughput, error } = vertices;

@@ -15,9 +15,9 @@ use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, RayKind, SurfaceBatch, Vec3s};
 
 use super::links::LinkedPaths;
-use super::mis::{most_light_samples, power_heuristic, splits, weigh};
+use super::mis::{most_light_samples, power_heuristic, weigh};
 use super::paths::{Boundary, NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
-use super::width::Width;
+use super::width::{LightRequests, Width, for_each_light_sample};
 use super::{add, opacity, roulette};
 use crate::cone::{ConeHit, fineness};
 use crate::expressions::{Ledger, Lobe, Scatter};
@@ -296,21 +296,13 @@ fn scatter<W: Width>(
     if !lights.is_empty() {
         let requests = there & prepared.is_smooth();
         let points = LitPoints { first, of, at: &at, wo, throughput, prepared: &prepared };
-        let mut firsts = 0;
-        for (i, &edges) in edges.iter().enumerate().take(W::R::LANES) {
-            firsts |= u64::from(splits(lights, edges)) << i;
-        }
-        let firsts = requests & zero.points(firsts);
-        if W::R::any(requests & !firsts) {
-            let numbers = W::triple(draws, purpose::LIGHT_POSITION);
-            take_light_sample(width, met, &points, (requests & !firsts, None, numbers), onward);
-        }
-        if W::R::any(firsts) {
-            for group in lights.split_groups() {
-                let numbers = W::triple(draws, purpose::LIGHT_GROUP + group as u32);
-                take_light_sample(width, met, &points, (firsts, Some(group), numbers), onward);
-            }
-        }
+        for_each_light_sample(
+            width,
+            (lights, draws),
+            (requests, edges),
+            #[inline(always)]
+            |sample| take_light_sample(width, met, &points, sample, onward),
+        );
     }
     let [x, y, choice] = W::triple(draws, purpose::DIRECTION);
     let [_, survival] = W::pair(draws, purpose::CHOICE);
@@ -344,7 +336,7 @@ fn take_light_sample<W: Width>(
     width: W,
     met: &Met,
     of_points: &LitPoints<W::R>,
-    (requests, group, [x, y, choice]): (<W::R as Real>::Mask, Option<usize>, [W::R; 3]),
+    (requests, group, [x, y, choice]): LightRequests<W>,
     onward: &mut Onward,
 ) {
     let (options, points, lights) = (met.options, met.points, met.world.light_set());

@@ -6,11 +6,13 @@
 use glam::Vec3;
 use gnurt_shading::SampleKey;
 use gnurt_shading::bsdf::{ClosureBatch, Prepared};
-use gnurt_shading::lanes::LANES;
+use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::lights::{LightSamples, LightSet};
 use gnurt_shading::real::{Real, Vector};
-use gnurt_shading::sampling::{Draws, DrawsX16, key_values};
+use gnurt_shading::sampling::{Draws, DrawsX16, key_values, purpose};
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
+
+use super::mis::splits;
 
 /// How many points at once.
 pub(crate) trait Width: Copy {
@@ -43,6 +45,34 @@ pub(crate) trait Width: Copy {
         at: [Vector<Self::R>; 2],
         u: [Self::R; 3],
     ) -> LightSamples<Self::R>;
+}
+
+/// Points that request a light, its group if that is named, and random numbers: two for the position, one for the choice.
+pub(crate) type LightRequests<W> = (<<W as Width>::R as Real>::Mask, Option<usize>, [<W as Width>::R; 3]);
+
+/// Calls `take` with the points in a mask, after these edges, for each light that they sample: one of each group at vertices
+/// that split, one of all at others.
+#[inline(always)]
+pub(crate) fn for_each_light_sample<W: Width>(
+    width: W,
+    (lights, draws): (&LightSet, W::Draws),
+    (requests, edges): (<W::R as Real>::Mask, &[u32; LANES]),
+    mut take: impl FnMut(LightRequests<W>),
+) {
+    let mut splitting = 0;
+    for i in LanesOf(W::R::bits(requests)) {
+        splitting |= u64::from(splits(lights, edges[i])) << i;
+    }
+    let splitting = width.zero().points(splitting);
+    let others = requests & !splitting;
+    if W::R::any(others) {
+        take((others, None, W::triple(draws, purpose::LIGHT_POSITION)));
+    }
+    if W::R::any(splitting) {
+        for group in lights.split_groups() {
+            take((splitting, Some(group), W::triple(draws, purpose::LIGHT_GROUP + group as u32)));
+        }
+    }
 }
 
 /// One.

@@ -220,12 +220,14 @@ impl Shape {
 
     /// Density per solid angle at `p` of the position that lies along the unit `dir`, `dist` away; 0 from behind.
     pub(super) fn density(&self, p: Vec3, dir: Vec3, dist: f32) -> f32 {
+        let wide = spherical::wide_angle(self.p.map(|q| q - p), self.area);
+        self.density_of(wide.map(|angle| 1.0 / angle), dir, dist)
+    }
+
+    /// The same for a position that [`position`](Self::position) gave with this density.
+    pub(super) fn density_of(&self, wide: Option<f32>, dir: Vec3, dist: f32) -> f32 {
         let cos = -self.normal.dot(dir);
-        match spherical::wide_angle(self.p.map(|q| q - p), self.area) {
-            _ if cos <= 0.0 || cos.is_nan() => 0.0,
-            Some(angle) => 1.0 / angle,
-            None => dist * dist / (cos * self.area),
-        }
+        if cos > 0.0 { wide.unwrap_or_else(|| dist * dist / (cos * self.area)) } else { 0.0 }
     }
 
     /// The point at the barycentric weights of the second and third vertex.

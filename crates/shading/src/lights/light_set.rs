@@ -181,9 +181,7 @@ impl LightSet {
                 let offset = shape.nearest_image(p, uv) - p;
                 let dist = offset.length();
                 let dir = offset / dist;
-                let cos = -shape.normal.dot(dir);
-                let density = wide.unwrap_or_else(|| dist * dist / (cos * shape.area));
-                let pdf = probability * if cos > 0.0 { density } else { 0.0 };
+                let pdf = probability * shape.density_of(wide, dir, dist);
                 let radiance = triangles.radiance(i as usize, uv, dir);
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
@@ -227,7 +225,8 @@ impl LightSet {
     /// `dist` away; 0 on its dark side.
     #[must_use]
     pub fn pdf_triangle(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
-        self.group_share(0, p, ns) * self.pdf_triangle_in_group(p, ns, triangle, dir, dist)
+        let here = self.pdf_triangle_in_group(p, ns, triangle, dir, dist);
+        if here > 0.0 { self.group_share(0, p, ns) * here } else { 0.0 }
     }
 
     /// The same where its group was named.
