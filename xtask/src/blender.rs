@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use crate::command;
 use crate::failure::Failure;
-use crate::publish::build_wheel;
+use crate::wheel;
 use crate::workspace::Workspace;
 
 /// The version of Blender that the judge compares with, and its Python.
@@ -33,7 +33,7 @@ fn pack(wheel: Option<PathBuf>) -> Result<(), Failure> {
     let folder = workspace.target.join("blender");
     let wheel = match wheel {
         Some(wheel) => wheel,
-        None => build_wheel(&folder.join("wheels"))?,
+        None => wheel::build(&folder.join("wheels"), "python3")?,
     };
     let name = wheel.file_name().map(|name| name.to_string_lossy().into_owned());
     let name = name.ok_or_else(|| format!("{}: no file", wheel.display()))?;

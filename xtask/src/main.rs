@@ -17,6 +17,7 @@ mod readme;
 mod results;
 mod sanitize;
 mod tidy;
+mod wheel;
 mod workspace;
 
 use std::process::ExitCode;
@@ -70,7 +71,11 @@ const CHORES: [Chore; 13] = [
         about: "pack all crates for crates.io: [--verify] compiles each, [--publish] sends them",
         run: publish::crates,
     },
-    Chore { name: "wheel", about: "the Python package's wheel, in target/wheels", run: publish::wheel },
+    Chore {
+        name: "wheel",
+        about: "the Python package's wheel, in target/wheels: [--machine x86_64|aarch64] [--python INTERPRETER]",
+        run: wheel::run,
+    },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
     Chore {
         name: "miri",
