@@ -28,6 +28,7 @@ mod rendering;
 mod retained;
 mod scene;
 mod scripts;
+mod shade;
 mod soups;
 mod stage;
 mod textures;

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::describing::NewLight;
 use crate::picture::surroundings_error;
+use crate::pool::with_all_threads;
 use crate::stage::Stage;
 
 /// A light, or the lights of surroundings, before they are in a scene.
@@ -22,7 +23,9 @@ pub(crate) fn made(light: NewLight) -> PyResult<Made> {
     let mut other = Scene::new();
     let put = match light {
         NewLight::Light(light) => return Ok(Made { lights: vec![light], textures: Vec::new() }),
-        NewLight::Around(around, up, rotation) => around.put_around(&mut other, up, rotation),
+        NewLight::Around(around, up, rotation) => {
+            with_all_threads(|workers| around.put_around(&mut other, up, rotation, workers))
+        }
         NewLight::Script(script, up, rotation) => {
             gnurt::Surroundings::put_script_around(&script, &mut other, up, rotation)
         }

@@ -17,7 +17,7 @@ use pyo3::types::{PyBytes, PyDict};
 
 use crate::arrays::New;
 use crate::pixels::texels;
-use crate::pool::ThreadCount;
+use crate::pool::{ThreadCount, with_all_threads};
 
 /// Names of layers and of their channels, in order.
 type Names = Vec<(String, Vec<String>)>;
@@ -84,7 +84,9 @@ impl Picture {
     #[new]
     fn new(py: Python<'_>, source: &Bound<'_, PyAny>) -> PyResult<Self> {
         let picture = match source.extract::<PathBuf>() {
-            Ok(path) => py.detach(|| image::read(&path)).map_err(|error| image_error(&error))?,
+            Ok(path) => py
+                .detach(|| with_all_threads(|workers| image::read_with(&path, workers)))
+                .map_err(|error| image_error(&error))?,
             Err(_) => {
                 let texels = texels(source, true)?;
                 let mut picture = image::Picture::new(texels.width, texels.height);

@@ -63,6 +63,14 @@ impl Workers {
     }
 }
 
+/// Calls a function with one thread per core for a picture's file, once it uses them; with the calling thread, if the system
+/// refuses them.
+pub(crate) fn with_all_threads<T>(f: impl FnOnce(gnurt::image::Workers) -> T) -> T {
+    let threads = std::cell::OnceCell::new();
+    let begin = || ThreadCount::new(0).and_then(ThreadCount::pool).ok();
+    f(&|count, job| gnurt::workers(threads.get_or_init(begin).as_deref())(count, job))
+}
+
 /// The process's pool of `count` threads.
 fn pool(count: usize) -> PyResult<Arc<ThreadPool>> {
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);

@@ -25,6 +25,7 @@ use crate::materials::{Compiled, material_id, plain};
 use crate::media;
 use crate::picture::Picture;
 use crate::rendering::{BuildRequest, Growing};
+use crate::shade;
 use crate::stage::Stage;
 use crate::textures::{self, Pictures};
 
@@ -152,6 +153,18 @@ impl Scene {
             stage.edit(|scene| *scene.edit_material(id) = material.clone());
             Ok(())
         })
+    }
+
+    fn _shade(&self, py: Python<'_>, material: &str, arguments: &Bound<'_, PyDict>) -> PyResult<Vec<usize>> {
+        let names: Vec<String> = self.with(py, |stage| {
+            stage.scene().materials().iter().map(|material| material.name.clone()).collect()
+        });
+        let shaded = shade::shaded(py, material, &names, arguments, &Textures(self, py))?;
+        Ok(self.with(py, |stage| {
+            let mut numbers: Vec<usize> = shaded.into_iter().flat_map(|shaded| shaded.put(stage)).collect();
+            numbers.sort_unstable();
+            numbers
+        }))
     }
 
     fn _add_medium(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {

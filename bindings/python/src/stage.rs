@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use gnurt::defaults::{self, Bounds, Purpose};
+use gnurt::image::WorkingSpace;
 use gnurt::osl::{CameraScript, Script};
 use gnurt::render::{CommitOptions, Integrator, ShaderTable, World};
 use gnurt::scene::animation::Exposure;
@@ -121,7 +122,7 @@ impl Stage {
     /// Of a scene as it was read: shaders that its file names are compiled.
     pub(crate) fn of(mut scene: Scene) -> Self {
         let mut shaders = ShaderTable::default();
-        let (scripts, progress) = put_named_shaders(&mut scene, &mut shaders);
+        let (scripts, progress) = put_named_shaders(&mut scene, &mut shaders, WorkingSpace::Rec709);
         Self { scene, shaders, scripts, progress, ..Self::default() }
     }
 

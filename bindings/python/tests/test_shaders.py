@@ -89,3 +89,48 @@ def test_what_is_wrong_is_said():
             gnurt.Scene().add_material("x", **material)
     with pytest.warns(UserWarning, match="not so"):
         shown(shader='surface a() { warning("not so"); Ci = emission(); }')
+
+
+MATERIAL = """
+  <surface_unlit name="SR_{0}" type="surfaceshader"><input name="emission_color" type="color3" value="{1}" /></surface_unlit>
+  <surfacematerial name="{0}" type="material"><input name="surfaceshader" type="surfaceshader" nodename="SR_{0}" /></surfacematerial>
+"""
+
+
+def document(**materials):
+    inner = "".join(MATERIAL.format(name, value) for name, value in materials.items())
+    return f'<materialx version="1.39" colorspace="lin_rec709">{inner}</materialx>'
+
+
+def test_documents_of_materialx(tmp_path):
+    file = tmp_path / "two.mtlx"
+    file.write_text(document(A="0.5, 0.25, 1", B="2, 3, 4"))
+    scene = gnurt.Scene()
+    for name in ["A", "B", "other"]:
+        scene.add_material(name)
+    scene.add_mesh(*cube(), material=0)
+    beside = np.eye(4)
+    beside[0, 3] = 9
+    scene.add_mesh(*cube(), material=1, transform=beside)
+
+    def seen(x):
+        front = gnurt.Camera(eye=(x + 0.5, 0.5, 4), target=(x + 0.5, 0.5, 0), fov=40)
+        return np.asarray(scene.render(16, 12, spp=1, camera=front))[6, 8, :3]
+
+    assert scene.shade("*", file) == [0, 1], "each has the one of its name"
+    assert np.allclose(seen(0), (0.5, 0.25, 1)) and np.allclose(seen(9), (2, 3, 4))
+    assert scene.shade("B", f"{file}:A", parameters={"emission_color": (1, 2, 0.5)}) == [1]
+    assert np.allclose(seen(9), (1, 2, 0.5)), "a node, with a value"
+    scene.set_material(0, "A", shader=document(C="7, 7, 7"))
+    assert np.allclose(seen(0), 7), "a text"
+    assert scene.shade("*", GLOW, parameters={"tint": 0.25}) == [0, 1, 2]
+    assert np.allclose(seen(0), 0.25) and np.allclose(seen(9), 0.25)
+    for arguments, what in [
+        (("gold", file), "unknown name 'gold'; the scene has: 'A', 'B', 'other'"),
+        (("other", file), "shader: .*A.*B"),
+        (("A", tmp_path / "none.mtlx"), "shader: .*none.mtlx"),
+        (("A", f"{file}:C"), "shader: .*C"),
+        (("A", 3), "shader"),
+    ]:
+        with pytest.raises((ValueError, TypeError), match=what):
+            scene.shade(*arguments)

@@ -17,6 +17,7 @@ use crate::failure::{Failure, Outcome};
 use crate::heap::HEAP;
 use crate::messages::{Messages, Verbosity, print};
 use crate::osl;
+use crate::workers::use_threads;
 
 /// Runs the program and gives back its exit status.
 pub(crate) fn run() -> u8 {
@@ -69,6 +70,7 @@ fn parse_and_run() -> u8 {
         Err(failure) => return conclude(Err(failure), Messages::new(requested.unwrap_or_default())),
     };
     let messages = Messages::new(requested.or(environment.log).unwrap_or_default());
+    use_threads(arguments.command.machine().and_then(|machine| machine.threads).or(environment.threads));
     if let Some(folder) = arguments.command.machine().and_then(|machine| machine.out_of_core.as_deref())
         && let Err(error) = HEAP.page_to(folder)
     {
@@ -85,7 +87,11 @@ fn parse_and_run() -> u8 {
 
 fn run_command(command: Command, environment: &Environment, messages: Messages) -> Outcome {
     match command {
-        Command::Render(arguments) => commands::render::run(&arguments, environment, messages),
+        Command::Render(mut arguments) => {
+            arguments.frame.space = arguments.working_space;
+            arguments.light.file.within(arguments.working_space);
+            commands::render::run(&arguments, environment, messages)
+        }
         Command::Join(arguments) => commands::join::run(&arguments, environment, messages),
         Command::Denoise(arguments) => commands::denoise::run(&arguments, environment, messages),
         Command::Relight(arguments) => commands::relight::run(&arguments, messages),

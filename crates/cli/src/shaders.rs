@@ -7,6 +7,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use gnurt::image::WorkingSpace;
 use gnurt::osl::{Access, CameraScript, Kind, Script, document_and_node, materials_of_document};
 use gnurt::render::ShaderTable;
 use gnurt::scene::{CameraId, MaterialId, Scene, Surface};
@@ -42,7 +43,7 @@ impl Shaders {
             change.apply(scene).map_err(|why| Failure::usage(format_args!("--set: {why}")))?;
         }
         let mut shaders = Self::default();
-        shaders.put_named(scene, messages);
+        shaders.put_named(scene, frame.space, messages);
         let access = access(frame);
         if let Some(choice) = &frame.pixel_shader {
             let script = script("--pixel-shader", choice, &access, messages)?;
@@ -72,8 +73,8 @@ impl Shaders {
     }
 
     /// Those that the scene's file names.
-    fn put_named(&mut self, scene: &mut Scene, messages: Messages) {
-        let (scripts, reported) = gnurt::put_named_shaders(scene, &mut self.table);
+    fn put_named(&mut self, scene: &mut Scene, space: WorkingSpace, messages: Messages) {
+        let (scripts, reported) = gnurt::put_named_shaders(scene, &mut self.table, space);
         reported.iter().for_each(|line| messages.warning(line));
         let surfaces = self.table.surfaces.iter().cloned();
         self.made.extend(
@@ -156,7 +157,7 @@ impl Watched {
 /// Where shaders may take files from.
 fn access(frame: &FrameArguments) -> Access {
     let includes = frame.include.iter().map(|folder| folder.to_string_lossy().into_owned()).collect();
-    Access { includes, ..Access::default() }
+    Access { includes, space: frame.space, ..Access::default() }
 }
 
 /// The choices, those of documents with several materials replaced: a material gets the one of its name, and `*` is all

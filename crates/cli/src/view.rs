@@ -17,6 +17,7 @@ use crate::failure::Failure;
 use crate::messages::Messages;
 use crate::nearest::nearest;
 use crate::shaders::{self, CameraShaderChoice};
+use crate::workers::with_workers;
 
 /// Checks that need no scene.
 pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
@@ -139,7 +140,8 @@ pub(crate) fn choose_around(
     }
     if let Some(environment) = &view.surroundings.environment {
         let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
-        environment.put_around(scene, up, view.surroundings.environment_turn).map_err(Failure::data)?;
+        let turn = view.surroundings.environment_turn;
+        with_workers(|workers| environment.put_around(scene, up, turn, workers)).map_err(Failure::data)?;
     }
     for volume in &view.surroundings.volumes {
         volume.add_to(scene).map_err(Failure::data)?;

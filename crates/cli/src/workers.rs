@@ -2,9 +2,10 @@
 //! Threads and instruction set of a command. Tests: `tests/program/arguments.rs`.
 
 use std::cell::OnceCell;
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use gnurt::image::Workers;
+use gnurt::image::{self, Picture, Workers};
 
 use crate::arguments::MachineArguments;
 use crate::environment::Environment;
@@ -12,6 +13,16 @@ use crate::failure::Failure;
 
 /// The number that the command was given.
 static THREADS: AtomicUsize = AtomicUsize::new(1);
+
+/// Reads a picture by the command's threads.
+pub(crate) fn read_picture(path: &Path) -> Result<Picture, image::Error> {
+    with_workers(|workers| image::read_with(path, workers))
+}
+
+/// The number of threads of a command, before [`machine`] finds it; 0 = one per core.
+pub(crate) fn use_threads(threads: Option<usize>) {
+    THREADS.store(threads.unwrap_or(0), Ordering::Relaxed);
+}
 
 /// Calls a function with workers: as many threads as [`machine`] found, once it uses them. The calling thread is enough for a
 /// picture that is done, if the system refuses more.

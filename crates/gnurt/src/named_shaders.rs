@@ -5,19 +5,20 @@
 
 use std::sync::Arc;
 
+use gnurt_image::WorkingSpace;
 use gnurt_render::ShaderTable;
 use gnurt_scene::{CameraId, MaterialId, Scene, ShaderFile, Surface, TextureId};
 use gnurt_sl_shading::{Access, CameraScript, Script, sampler};
 
 /// Compiles a shader that a scene's file names or holds, and gives its parameters their values.
-fn script(scene: &Scene, named: &ShaderFile) -> Result<Script, String> {
+fn script(scene: &Scene, named: &ShaderFile, space: WorkingSpace) -> Result<Script, String> {
     let ShaderFile { file, text, pictures, parameters, confined_to } = named;
     let sampled = |(name, id): &(String, TextureId)| {
         let texture = scene.textures().get(id.index())?;
         Some((name.clone(), Arc::new(sampler(texture.texels.clone()))))
     };
     let pictures = Arc::new(pictures.iter().filter_map(sampled).collect());
-    let access = Access { confined_to: confined_to.clone(), pictures, ..Access::default() };
+    let access = Access { confined_to: confined_to.clone(), pictures, space, ..Access::default() };
     let mut script = match text {
         Some(text) => Script::from_text(file, text, &access)?,
         None => Script::open(file, &access)?,
@@ -37,7 +38,7 @@ pub fn named_camera_shader(
     let Some(named) = scene.camera_file(camera) else {
         return Ok(None);
     };
-    let made = script(scene, named).and_then(|script| {
+    let made = script(scene, named, WorkingSpace::Rec709).and_then(|script| {
         let camera = script.camera_anywhere()?;
         Ok(Some((script, camera)))
     });
@@ -49,13 +50,17 @@ pub fn named_camera_shader(
 
 /// Compiles the shaders that a scene's file names for its materials, adds them to `table` and shows materials by them.
 /// A material whose shader fails stays as it is without it; the second list has a line for each, and the
-/// compiler's warnings.
-pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable) -> (Vec<Script>, Vec<String>) {
+/// compiler's warnings. Their closures are converted to the working space.
+pub fn put_named_shaders(
+    scene: &mut Scene,
+    table: &mut ShaderTable,
+    space: WorkingSpace,
+) -> (Vec<Script>, Vec<String>) {
     let named: Vec<(MaterialId, ShaderFile)> =
         scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
     let (mut scripts, mut reported) = (Vec::new(), Vec::new());
     for (id, named) in named {
-        let made = script(scene, &named).and_then(|script| Ok((script.surface()?, script)));
+        let made = script(scene, &named, space).and_then(|script| Ok((script.surface()?, script)));
         match made {
             Ok((surface, script)) => {
                 reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
@@ -97,7 +102,7 @@ mod tests {
         let good = named(&[("k", "0.25")], file.clone());
         let bad = [named(&[("j", "1")], file), named(&[], folder.path().join("none.osl"))];
         let mut table = ShaderTable::default();
-        let (scripts, reported) = put_named_shaders(&mut scene, &mut table);
+        let (scripts, reported) = put_named_shaders(&mut scene, &mut table, WorkingSpace::Rec709);
         assert_eq!((scripts.len(), table.surfaces.len()), (1, 1));
         assert!(matches!(scene.material(good).surface, Surface::Shader(0)), "the good one");
         for id in bad {

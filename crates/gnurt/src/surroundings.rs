@@ -50,12 +50,18 @@ impl Surroundings {
 
     /// Puts them around a scene, whose own environment then counts no more; its other lights do. `up` is the
     /// up direction, of any length, +y if it is the zero vector; `yaw` rotates them around it, in degrees,
-    /// counter-clockwise seen from above.
+    /// counter-clockwise seen from above. The workers decompress an EXR.
     ///
     /// # Errors
     /// [`Error::Image`] if the picture cannot be read, [`Error::Surroundings`] if the shader does not compile; the scene stays as
     /// it was.
-    pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], yaw: f64) -> Result<(), Error> {
+    pub fn put_around(
+        &self,
+        scene: &mut Scene,
+        up: [f32; 3],
+        yaw: f64,
+        workers: image::Workers,
+    ) -> Result<(), Error> {
         let world_from_light = placed(up, yaw);
         match self {
             Self::Uniform(radiance) => {
@@ -63,7 +69,12 @@ impl Surroundings {
             }
             Self::Sky(sky) => sky.add_to(scene, world_from_light),
             Self::Picture(path) if !script_sky::is_script(path) => {
-                put_texels((image::read_texture(path)?, None), &name_of(path), scene, world_from_light);
+                put_texels(
+                    (image::read_texture_with(path, workers)?, None),
+                    &name_of(path),
+                    scene,
+                    world_from_light,
+                );
             }
             Self::Picture(path) => put_sky(path, &[], scene, world_from_light)?,
             Self::Shader(path, given) => put_sky(path, given, scene, world_from_light)?,
@@ -160,11 +171,14 @@ pub(crate) fn upright(up: [f32; 3]) -> Affine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::threads::workers;
 
     /// Where the environment's up and middle are in the world.
     fn orientation(up: [f32; 3], yaw: f64) -> [[f64; 3]; 2] {
         let mut scene = Scene::new();
-        Surroundings::Uniform([1.0; 3]).put_around(&mut scene, up, yaw).expect("no file is read");
+        Surroundings::Uniform([1.0; 3])
+            .put_around(&mut scene, up, yaw, &workers(None))
+            .expect("no file is read");
         let [Light::Environment { world_from_light, .. }] = scene.lights() else { panic!("one environment") };
         [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]].map(|v| world_from_light.vector(v))
     }
@@ -196,11 +210,14 @@ mod tests {
         scene.add_light(emitter.clone());
         let missing = Surroundings::Picture("no/such/sky.hdr".into());
         let before = scene.lights().to_vec();
-        assert!(missing.put_around(&mut scene, [0.0, 1.0, 0.0], 0.0).is_err(), "there is no such file");
+        assert!(
+            missing.put_around(&mut scene, [0.0, 1.0, 0.0], 0.0, &workers(None)).is_err(),
+            "there is no such file"
+        );
         assert_eq!(scene.lights(), before, "nothing has changed");
         Surroundings::sky("builtin:day")
             .expect("a sky")
-            .put_around(&mut scene, [0.0, 1.0, 0.0], 0.0)
+            .put_around(&mut scene, [0.0, 1.0, 0.0], 0.0, &workers(None))
             .expect("no file");
         let mut environments =
             scene.lights().iter().filter(|light| matches!(light, Light::Environment { .. }));

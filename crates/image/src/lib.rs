@@ -4,6 +4,7 @@
 
 mod budget;
 pub mod chromaticities;
+mod colors;
 mod compare;
 mod error;
 mod exposure;
@@ -22,6 +23,7 @@ mod tiles;
 mod tone;
 pub mod udim;
 mod volume;
+mod working_space;
 
 pub use budget::{Budget, Excess};
 pub use compare::{Comparison, compare};
@@ -31,7 +33,8 @@ pub use file::{
     ExrCompression, ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, Workers, WriteOptions, check_writable,
     decode, decode_data_texture, decode_data_texture_within, decode_texture, decode_texture_within, encode,
     encode_screen, encode_texels, encode_with, expecting_panics, expects_panics, open_regular, read,
-    read_data_texture, read_stored, read_texture, replace_file, replace_file_if, write,
+    read_data_texture, read_stored, read_texture, read_texture_with, read_with, replace_file,
+    replace_file_if, write,
 };
 pub use filter::{Filter, FilterShape};
 pub use flip::flip;
@@ -43,6 +46,7 @@ pub use texels::{TexelData, Texels, Tiled};
 pub use tiles::{TileCache, TileCounts};
 pub use tone::{ToneCurve, screen_bytes};
 pub use volume::{Grid, Volume};
+pub use working_space::{WorkingSpace, convert};
 
 /// The name and version of the maker that files state.
 pub const SOFTWARE: &str = concat!("GNU RT ", env!("CARGO_PKG_VERSION"));

@@ -7,8 +7,9 @@ mod common;
 use common::{colors_only, file, files, picture, tiff};
 use gnurt_image::{
     BACKGROUND, ExrCompression, ExrPixels, Layer, Opacity, Picture, PictureFormat, StoredValues, TexelData,
-    ToneCurve, Workers, WriteOptions, compare, decode, decode_data_texture, decode_texture, encode,
-    encode_with, read, read_stored, read_texture, screen_bytes, srgb, write,
+    Texels, ToneCurve, Workers, WorkingSpace, WriteOptions, compare, decode, decode_data_texture,
+    decode_texture, encode, encode_with, read, read_stored, read_texture, read_texture_with, read_with,
+    screen_bytes, srgb, write,
 };
 
 /// Odd values that a float format must keep, bit by bit.
@@ -73,14 +74,75 @@ fn workers_do_not_show_in_exr() {
     };
     for compression in [ExrCompression::None, ExrCompression::Zip, ExrCompression::Zips, ExrCompression::Piz]
     {
-        let options = WriteOptions { exr_compression: compression, ..WriteOptions::default() };
-        let one = encode(&picture, PictureFormat::EXR, &options).expect("it fits an EXR");
-        let back = decode(&one, "").expect("our own file");
-        assert_eq!([back.width, back.height], [40, 200], "{compression}");
-        for workers in [backwards, at_once] {
-            let bytes = encode_with(&picture, PictureFormat::EXR, &options, workers);
-            assert!(bytes.expect("it fits an EXR") == one, "{compression}: the same bytes");
+        for exr_tile in [None, Some(16), Some(64)] {
+            let options = WriteOptions { exr_compression: compression, exr_tile, ..WriteOptions::default() };
+            let one = encode(&picture, PictureFormat::EXR, &options).expect("it fits an EXR");
+            let back = decode(&one, "").expect("our own file");
+            assert_eq!([back.width, back.height], [40, 200], "{compression}");
+            let folder = tempfile::tempdir().expect("a folder");
+            let file = folder.path().join("p.exr");
+            std::fs::write(&file, &one).expect("a file");
+            for workers in [backwards, at_once] {
+                let bytes = encode_with(&picture, PictureFormat::EXR, &options, workers);
+                assert!(bytes.expect("it fits an EXR") == one, "{compression}: the same bytes");
+                let read = read_with(&file, workers).expect("our own file");
+                assert_same_bits(&read, &back, 4, "read by others");
+                let texels = read_texture_with(&file, workers).expect("our own file");
+                assert_eq!(texels, Texels::from(back.clone()), "{compression}: the same texels");
+            }
         }
+    }
+}
+
+/// Colours of another space come back; ids of Cryptomatte are bits, and stay so.
+#[test]
+fn exr_states_the_space_of_its_colours() {
+    let mut picture = Picture { opacity: Opacity::Associated, ..picture(8, 3) };
+    let id = |i: usize| f32::from_bits(0x3f12_3456 + i as u32);
+    // Files have channels in the order of their names.
+    let four = ["A", "B", "G", "R"].map(|name| (name, (0..24).map(id).collect()));
+    picture.layers.push(Layer::floats("CryptoObject00", four));
+    picture.layers.push(Layer::floats("albedo", ["R", "G", "B"].map(|name| (name, vec![0.25; 24]))));
+    picture.set_metadata("cryptomatte/f834d0a/name", "CryptoObject");
+    let options = WriteOptions {
+        exr_space: WorkingSpace::AcesCg,
+        exr_pixels: ExrPixels::Float,
+        ..WriteOptions::default()
+    };
+    let bytes = encode(&picture, PictureFormat::EXR, &options).expect("it fits an EXR");
+    let name = b"chromaticities\0chromaticities\0";
+    let at = bytes.windows(name.len()).position(|some| some == name).expect("the attribute") + name.len() + 4;
+    let number = |k: usize| f32::from_le_bytes(std::array::from_fn(|i| bytes[at + 4 * k + i]));
+    let expected = [0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767];
+    assert_eq!(std::array::from_fn::<f32, 8, _>(number), expected, "AP1 under the white of ACES");
+    let back = decode(&bytes, "").expect("our own file");
+    for (a, b) in back.color.as_flattened().iter().zip(picture.color.as_flattened()) {
+        assert!((a - b).abs() <= 1e-5 * (1.0 + b.abs()), "{a} beside {b}");
+    }
+    let ids = |picture: &Picture| picture.layer("CryptoObject00").cloned();
+    assert_eq!(ids(&back), ids(&picture), "ids");
+}
+
+/// The first attribute `tiles` of a header: width, height, levels; and whether the version says that there are some.
+fn tiles_of(bytes: &[u8]) -> (bool, Option<[u32; 2]>) {
+    let name = b"tiles\0tiledesc\0";
+    let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|k| bytes[at + k]));
+    let at = bytes.windows(name.len()).position(|some| some == name).map(|at| at + name.len() + 4);
+    (bytes[5] & 2 != 0, at.map(|at| [number(at), number(at + 4)]))
+}
+
+#[test]
+fn exr_has_the_tiles_that_were_asked_for() {
+    let mut picture = Picture::new(100, 70);
+    for (i, pixel) in picture.color.iter_mut().enumerate() {
+        *pixel = [i as f32, 0.5, -2.0, 1.0];
+    }
+    for (exr_tile, expected) in [(None, (false, None)), (Some(32), (true, Some([32, 32])))] {
+        let options = WriteOptions { exr_tile, exr_pixels: ExrPixels::Float, ..WriteOptions::default() };
+        let bytes = encode(&picture, PictureFormat::EXR, &options).expect("it fits an EXR");
+        assert_eq!(tiles_of(&bytes), expected, "{exr_tile:?}");
+        let back = decode(&bytes, "").expect("our own file");
+        assert_same_bits(&back, &picture, 4, "tiles at the edges are smaller");
     }
 }
 

@@ -38,7 +38,10 @@ fn reader(texels: &Arc<Texels>, times: f32, weigh: Option<Weigh>) -> TextureSamp
 fn shining(texture: TextureSampler) -> Arc<dyn SurfaceShader> {
     Arc::new(shading::Material {
         surface: Arc::new(shading::Matte { albedo: shading::TexturedColor::constant(Vec3::ZERO) }),
-        emission: Some(shading::Emission { factor: Vec3::ONE, texture: Some(texture) }),
+        emission: Some(shading::Emission {
+            texture: Some(texture),
+            ..shading::Emission::constant(Vec3::ONE)
+        }),
         coverage: None,
         bump: None,
         attributes: Vec::new(),

@@ -45,3 +45,4 @@ mod subsurface;
 mod terminator;
 mod unlit;
 mod velocity;
+mod working_space;

@@ -56,7 +56,27 @@ impl SurfaceShader for Even {
     }
 }
 
-/// The same, and lets all light through.
+/// Emission that its front and its back have everywhere; `says` whether it is known without evaluation.
+struct Sided {
+    sides: [Vec3; 2],
+    says: bool,
+}
+
+impl SurfaceShader for Sided {
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        (0..hits.len()).for_each(|i| out.emit(i, self.sides[usize::from(!hits.front(i))]));
+    }
+
+    fn emits(&self) -> bool {
+        true
+    }
+
+    fn even_emission(&self) -> Option<[Vec3; 2]> {
+        self.says.then_some(self.sides)
+    }
+}
+
+/// An even lamp, and lets all light through.
 struct Clear(Even);
 
 impl SurfaceShader for Clear {
@@ -172,6 +192,27 @@ fn a_shader_that_glows_is_a_lamp_of_the_description() {
         let options = RenderOptions { integrator, max_depth: 4, vpls: 64, ..options(4, 4, 4) };
         let (expected, found) = (measured(&reported, &options), measured(&requests, &options));
         assert_close(found, expected, 1e-3, &format!("{integrator}: the same light, and the same samples"));
+    }
+}
+
+/// Of either side, of both, and of mirror images.
+#[test]
+fn even_lamps_shine_as_their_shaders_say() {
+    let bright = Vec3::new(4.0, 2.0, 1.0);
+    for (sides, is_up) in [
+        ([bright, Vec3::ZERO], false),
+        ([Vec3::ZERO, bright], true),
+        ([bright, bright * 0.25], false),
+        ([bright * 0.25, bright], false),
+    ] {
+        let scene = scratch(Material::of("lamp", Surface::Shader(0)), is_up);
+        let [said, found] = [true, false].map(|says| world(&scene, Sided { sides, says }));
+        for integrator in ALL {
+            let options = RenderOptions { integrator, max_depth: 4, vpls: 64, ..options(4, 4, 64) };
+            let (said, found) = (measured(&said, &options), measured(&found, &options));
+            assert!(said > 0.1, "{integrator}, {sides:?}: {said}");
+            assert_close(said, found, 1e-3, &format!("{integrator}, {sides:?}: as by the shader"));
+        }
     }
 }
 

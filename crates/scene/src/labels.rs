@@ -23,6 +23,8 @@ pub struct Labels {
     pub outputs: Vec<String>,
     /// Objects with a refined mesh, and the control mesh of each.
     pub control_meshes: BTreeMap<ObjectId, ControlMesh>,
+    /// Objects whose file has triangles without area, which no ray hits and their meshes lack; how many.
+    pub flat_triangles: BTreeMap<ObjectId, u64>,
     /// Objects whose file names one material for the whole, or none (""), whatever parts of it are made of.
     pub bound_materials: BTreeMap<ObjectId, String>,
     /// Groups of lights; a group is a layer of its own in pictures that are mixed later.

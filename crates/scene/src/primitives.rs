@@ -91,7 +91,8 @@ impl CurveBasis {
     }
 
     /// Vertices from one segment to the next on a strand.
-    fn step(self) -> usize {
+    #[must_use]
+    pub fn step(self) -> usize {
         if self == Self::Bezier { 3 } else { 1 }
     }
 }

@@ -7,6 +7,7 @@ pub mod batch;
 pub mod bsdf;
 mod camera_projection;
 pub mod classes;
+mod color_map;
 pub mod lanes;
 pub mod lights;
 pub mod materials;
@@ -23,6 +24,7 @@ pub mod texture;
 
 pub use batch::{Detail, FacingRows, RayKind, SampleKey, SurfaceBatch, Vec3s};
 pub use camera_projection::CameraProjection;
+pub use color_map::ColorMap;
 pub use point::{Leaving, Rays, SurfacePoint};
 pub use projective_camera::ProjectiveCamera;
 pub use scene_queries::{CameraProperties, SceneNames};

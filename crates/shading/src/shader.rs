@@ -91,6 +91,12 @@ pub trait SurfaceShader: Send + Sync {
         false
     }
 
+    /// The radiance that its front and its back emit, if that is the same at all points, in all directions and for all rays: such
+    /// lights are sampled without evaluating it.
+    fn even_emission(&self) -> Option<[Vec3; 2]> {
+        None
+    }
+
     /// Writes the share of light that goes straight through; `out` has `hits.len()` lanes, all zero.
     /// Called only if [`is_opaque`](Self::is_opaque) is false.
     fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use gnurt_shading::texture::TextureSampler;
 
-use gnurt_image::NotRegular;
+use gnurt_image::{NotRegular, WorkingSpace};
 
 use crate::codes::Codes;
 
@@ -28,6 +28,9 @@ pub struct Access {
     pub pictures: Arc<HashMap<String, Arc<TextureSampler>>>,
     /// The cache of their machine code.
     pub codes: Codes,
+    /// The space in which light is computed. Shaders compute in Rec. 709, and their closures are converted; those that
+    /// trace rays or query lights themselves compute in this space.
+    pub space: WorkingSpace,
 }
 
 impl Access {

@@ -92,6 +92,7 @@ impl CameraShader for ScriptCamera {
         let world_from_camera = |time: f32| self.frame(time).matrix();
         let mut world = World::empty(&self.common);
         world.world_from_camera = Some(&world_from_camera);
+        world.camera_is_still = self.frames.len() == 1;
         world.aspect = aspect;
         world.camera = Some(CameraProperties {
             resolution: self.frames[0].pixels,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Surfaces with constant scattering: lobes, emission and transparency are computed once, for the front and
-//! for the back. A forward data-flow analysis over cells, after all known values are inserted. Lobes may lie
+//! Surfaces with constant scattering: lobes, emission and transparency are computed once for the front, and once
+//! for the back; a shader may ask which one it is. A forward data-flow analysis over cells, after all known values are inserted. Lobes may lie
 //! around the points' own normals; the direction of anisotropy is irrelevant for isotropic microfacets. All
 //! other arguments of closures must be known, and so must every condition; and the shader may neither query
 //! nor print.
@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 use gnurt_shading::batch::FacingRows;
 use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobes};
-use gnurt_shading::{Interior, SurfaceBatch};
+use gnurt_shading::{ColorMap, Interior, SurfaceBatch};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Instruction, LANES, Plan, Points, Program as _, Results, Slot, Source, Step, lanes_of};
 use gnurt_sl::ir::SymbolKind;
@@ -47,7 +47,7 @@ struct Side {
 
 impl Fixed {
     /// Of a group, if they do.
-    pub(crate) fn of(plan: &Plan, colors: &ColorSystem) -> Option<Self> {
+    pub(crate) fn of(plan: &Plan, colors: &ColorSystem, map: ColorMap) -> Option<Self> {
         if !Walk::is_fixed(plan) {
             return None;
         }
@@ -56,16 +56,16 @@ impl Fixed {
             rows[2][0] = 1.0;
         }
         let mut results = Results::default();
-        plan.run(&Nobody(colors), &points, &mut results);
-        if !results.events.is_empty() {
-            return None;
-        }
         let mut flatten_lists = |backfacing| {
             points.backfacing = backfacing;
+            plan.run(&Nobody(colors), &points, &mut results);
+            if !results.events.is_empty() {
+                return None;
+            }
             let mut out = ClosureBatch::default();
             out.reset(LANES);
             let mut open = Vec::new();
-            let flattened = Flattened::flatten_lists(&points, &results, (&mut out, 0), &mut open);
+            let flattened = Flattened::flatten_lists(&points, &results, (&mut out, 0), &mut open, map);
             let is_plain =
                 !flattened.is_cut() && flattened.lists.bent() == 0 && flattened.lights.radiance.some == 0;
             let Flattened { mut lists, lights, .. } = flattened;
@@ -92,6 +92,11 @@ impl Fixed {
     pub(crate) fn at(&self, hits: &SurfaceBatch, i: usize) -> (&Lobes, Vec3) {
         let side = if hits.front(i) { &self.front } else { &self.back };
         (&side.lobes, side.through)
+    }
+
+    /// The radiance that the front and the back emit.
+    pub(crate) fn emission(&self) -> [Vec3; 2] {
+        [&self.front, &self.back].map(|side| side.emission_and_opacity.emission.max(Vec3::ZERO))
     }
 
     /// The medium behind the surface, as its front has it.
@@ -237,7 +242,8 @@ impl<'p> Walk<'p> {
         let varies = args.iter().enumerate().any(|(i, slot)| bit(step.reads, i) && self.reads(slot));
         let is_closure = args.first().is_some_and(|out| out.ty == Type::CLOSURE);
         match step.code {
-            Opcode::UseParam | Opcode::Nop | Opcode::End => {}
+            // Each side has a run of its own.
+            Opcode::UseParam | Opcode::Nop | Opcode::End | Opcode::Backfacing => {}
             Opcode::Closure => self.closure(layer, step),
             Opcode::Add | Opcode::Mul if is_closure => self.fits &= !varies,
             // A wrong index is reported: it must be constant.

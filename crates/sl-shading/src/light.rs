@@ -41,7 +41,7 @@ impl LightShader for ScriptLight {
             for lane in 0..points.count {
                 let i = first + lane;
                 let Some(dir) = vector(&results, direction, lane).try_normalize() else { continue };
-                let light = vector(&results, color, lane).max(Vec3::ZERO);
+                let light = self.common.map.of(vector(&results, color, lane).max(Vec3::ZERO));
                 if light == Vec3::ZERO || !light.is_finite() {
                     continue;
                 }

@@ -6,8 +6,8 @@
 //! Space: world. Tests: `tests/scripts/closures.rs`.
 
 use glam::Vec3;
-use gnurt_shading::Interior;
-use gnurt_shading::bsdf::{Film, Lobe};
+use gnurt_shading::bsdf::{BetweenFacets, Film, Lobe};
+use gnurt_shading::{ColorMap, Interior};
 use gnurt_sl::exec::{Cells, Part, WELL_KNOWN};
 
 use crate::closures::{Known, Shape};
@@ -20,6 +20,7 @@ pub(crate) struct Params<'a> {
     shape: &'a Shape,
     part: &'a Part<'a>,
     lane: usize,
+    map: ColorMap,
 }
 
 impl Shape {
@@ -44,8 +45,9 @@ impl Shape {
 }
 
 impl<'a> Params<'a> {
-    pub(crate) fn new(shape: &'a Shape, part: &'a Part<'a>, lane: usize) -> Self {
-        Self { shape, part, lane }
+    /// Colours among them are converted by `map`.
+    pub(crate) fn new(shape: &'a Shape, part: &'a Part<'a>, lane: usize, map: ColorMap) -> Self {
+        Self { shape, part, lane, map }
     }
 
     /// Whether all parameters of the lobe, except its normal, are the same for all points.
@@ -77,9 +79,14 @@ impl<'a> Params<'a> {
         if v.is_finite() { v } else { Vec3::ZERO }
     }
 
+    /// A colour.
+    pub(crate) fn color(&self, i: usize) -> Vec3 {
+        self.map.of(self.vec3(i))
+    }
+
     /// A share of light per channel.
     fn share(&self, i: usize) -> Vec3 {
-        self.vec3(i).clamp(Vec3::ZERO, Vec3::ONE)
+        self.map.of(self.vec3(i).clamp(Vec3::ZERO, Vec3::ONE))
     }
 
     fn int(&self, i: usize) -> i32 {
@@ -97,6 +104,15 @@ impl<'a> Params<'a> {
         let Some([tangent, x, y]) = self.shape.anisotropy_slots() else { return Slopes::even(0.0) };
         let (along, across) = (self.float(x).clamp(0.0, 1.0), self.float(y).clamp(0.0, 1.0));
         Slopes { tangent: self.vec3(tangent), along, across }
+    }
+
+    /// Light between microfacets: 0 leaves to all sides, 1 leaves as light of one bounce, 2 is lost.
+    fn between_facets(&self) -> BetweenFacets {
+        match self.int(self.shape.plain + 2) {
+            1 => BetweenFacets::Scaled,
+            2 => BetweenFacets::Lost,
+            _ => BetweenFacets::Spread,
+        }
     }
 
     /// The film of MaterialX's closures; one without a thickness is none.
@@ -169,9 +185,9 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
         Known::OrenNayarDiffuse if p.int(3) != 0 => Lobe::oren_nayar(p.share(1), p.float(2).clamp(0.0, 1.0)),
         Known::OrenNayarDiffuse => Lobe::oren_nayar_once(p.share(1), p.float(2).clamp(0.0, 1.0)),
         Known::Burley => Lobe::burley(p.share(1), p.float(2).clamp(0.0, 1.0)),
-        Known::Subsurface => Lobe::subsurface(p.share(3), p.vec3(2), p.float(1), p.float(0)),
+        Known::Subsurface => Lobe::subsurface(p.share(3), p.color(2), p.float(1), p.float(0)),
         Known::SubsurfaceBssrdf => {
-            Lobe::subsurface(p.share(1), p.vec3(2), p.float(3), p.float(p.shape.plain))
+            Lobe::subsurface(p.share(1), p.color(2), p.float(3), p.float(p.shape.plain))
         }
         Known::Translucent => Lobe::translucent(Vec3::ONE),
         Known::TranslucentBsdf => Lobe::translucent(p.share(1)),
@@ -201,8 +217,11 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
             }
         }
         Known::Conductor => {
-            let (eta, k) = (p.vec3(4).max(Vec3::splat(1e-3)), p.vec3(5).max(Vec3::ZERO));
-            p.slopes().of(|alpha| Lobe::metal(alpha, eta, k)).filmed(p.film())
+            let (eta, k) = p.map.metal(p.vec3(4).max(Vec3::splat(1e-3)), p.vec3(5).max(Vec3::ZERO));
+            p.slopes()
+                .of(|alpha| Lobe::metal(alpha, eta, k))
+                .filmed(p.film())
+                .between_facets(p.between_facets())
         }
         Known::Schlick => return schlick(p, front),
         Known::Hair => return hair(p),
@@ -220,7 +239,7 @@ pub(crate) fn interior(p: &Params) -> Interior {
             let most = if depth > 0.0 { left.map(|x| -x.ln()) / depth } else { Vec3::ZERO };
             (most, p.float(3))
         }
-        _ => (p.vec3(1), p.float(2)),
+        _ => (p.color(1), p.float(2)),
     };
     let extinction = if extinction.is_finite() { extinction.max(Vec3::ZERO) } else { Vec3::ZERO };
     let scattering = extinction * albedo;
@@ -229,7 +248,7 @@ pub(crate) fn interior(p: &Params) -> Interior {
 
 /// A hair: a lobe for each of its terms. Scales of the distribution around it are those before the factor of \[CBTB16\].
 fn hair(p: &Params) -> [Option<Lobe>; 3] {
-    let absorption = p.vec3(13).max(Vec3::ZERO);
+    let absorption = p.color(13).max(Vec3::ZERO);
     let (index, tilt) = (p.float(5).max(1.0), p.float(12));
     [0, 1, 2].map(|term| {
         let scale = (std::f32::consts::PI / 8.0).sqrt() * p.float(9 + term);
@@ -270,7 +289,8 @@ fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 3] {
     let (slopes, [f0, f90], power, tint) = (p.slopes(), [p.share(6), p.share(7)], p.float(8), p.share(2));
     let through = p.share(3);
     if through == Vec3::ZERO {
-        return [Some(tinted(microfacets(slopes, f0, f90).risen(power).filmed(p.film()), tint)), None, None];
+        let lobe = microfacets(slopes, f0, f90).risen(power).filmed(p.film());
+        return [Some(tinted(lobe.between_facets(p.between_facets()), tint)), None, None];
     }
     let root = (f0.element_sum() / 3.0).min(0.99).sqrt();
     let index = (1.0 + root) / (1.0 - root);

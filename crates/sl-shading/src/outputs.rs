@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 use gnurt_shading::bsdf::ClosureBatch;
-use gnurt_shading::{OutputKind, ShaderOutput, SurfaceBatch, Vec3s};
+use gnurt_shading::{ColorMap, OutputKind, ShaderOutput, SurfaceBatch, Vec3s};
 use gnurt_sl::exec::LANES;
 use gnurt_sl::group::Group;
 use gnurt_sl::ir::SymbolKind;
@@ -113,6 +113,7 @@ impl Outputs {
         let common = &made.common;
         let row = if wanted.is_parameter { common.row(name) } else { None };
         let is_number = common.is_number(name);
+        let is_color = self.all[number].kind == OutputKind::Color;
         let world = World::around(common, hits, None);
         let mut closures = ClosureBatch::default();
         closures.reset(LANES);
@@ -123,7 +124,8 @@ impl Outputs {
                 let tagged = made.tag.map(|tag| {
                     let to = (&mut closures, 0);
                     let (points, results) = (&scratch.points, &scratch.results);
-                    Flattened::flatten_tagged(points, results, to, &mut scratch.open, Some(tag)).lights.debug
+                    let how = (Some(tag), ColorMap::default());
+                    Flattened::flatten_tagged(points, results, to, &mut scratch.open, how).lights.debug
                 });
                 for lane in 0..LANES.min(hits.len() - first) {
                     let value = match row {
@@ -131,7 +133,8 @@ impl Outputs {
                         Some(row) if is_number => Vec3::splat(scratch.results.rows[row][lane]),
                         Some(row) => vector(&scratch.results, row, lane),
                     };
-                    out.set(first + lane, value + tagged.map_or(Vec3::ZERO, |tagged| tagged.get(lane)));
+                    let value = value + tagged.map_or(Vec3::ZERO, |tagged| tagged.get(lane));
+                    out.set(first + lane, if is_color { common.map.of(value) } else { value });
                 }
             }
         });

@@ -4,8 +4,8 @@
 //! Tests: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
-use gnurt_shading::Interior;
 use gnurt_shading::bsdf::{ClosureBatch, Ends, Lists};
+use gnurt_shading::{ColorMap, Interior};
 use gnurt_sl::exec::{Cells, Closure, Closures, LANES, Part, Points, Results, lanes_of};
 
 use crate::closures::{Known, Shape, all};
@@ -110,6 +110,8 @@ pub(crate) struct Flattened<'a> {
     left: u32,
     /// The number of the text whose `debug` closures are summed.
     tag: Option<u32>,
+    /// From the shader's colours to the working space.
+    map: ColorMap,
     /// The points' shading normals as normals of lobes, if not all are zero; computed at first use.
     own: Option<Option<Rows>>,
 }
@@ -121,8 +123,9 @@ impl<'a> Flattened<'a> {
         results: &'a Results,
         to: (&'a mut ClosureBatch, usize),
         open: &'a mut Vec<Open>,
+        map: ColorMap,
     ) -> Self {
-        Self::flatten_tagged(points, results, to, open, None)
+        Self::flatten_tagged(points, results, to, open, (None, map))
     }
 
     /// The same, with the sum of the `debug` closures whose tag has this number among the texts.
@@ -131,7 +134,7 @@ impl<'a> Flattened<'a> {
         results: &'a Results,
         (out, first): (&'a mut ClosureBatch, usize),
         open: &'a mut Vec<Open>,
-        tag: Option<u32>,
+        (tag, map): (Option<u32>, ColorMap),
     ) -> Self {
         let mut this = Self {
             nodes: &results.closures,
@@ -142,6 +145,7 @@ impl<'a> Flattened<'a> {
             open,
             left: MOST_NODES,
             tag,
+            map,
             own: None,
         };
         let lanes = (1_u32 << points.count.min(LANES)) - 1;
@@ -231,30 +235,47 @@ impl<'a> Flattened<'a> {
         // Nor is light without end.
         let counts = |x: f32| x > 0.0 && x < f32::INFINITY;
         let some = heaviest.iter().enumerate().fold(0, |bits, (i, &x)| bits | u32::from(counts(x)) << i);
-        let (lanes, weight) = (lanes & some, &retained);
+        let lanes = lanes & some;
         if lanes == 0 {
             return;
         }
+        let mapped = self.mapped(&retained);
+        let weight = mapped.as_ref().unwrap_or(&retained);
         match shape.known {
             Known::Emission => self.lights.emission.add(lanes, |i| column(weight, i)),
             Known::Radiance => self.lights.radiance.add(lanes, |i| column(weight, i)),
             Known::Transparent => self.lights.through.add(lanes, |i| column(weight, i)),
             Known::UniformEdf => {
-                let light = |i| Params::new(shape, part, i).vec3(0).max(Vec3::ZERO);
-                self.lights.emission.add(lanes, |i| light(i) * column(weight, i));
+                let map = self.map;
+                let light = |i| Params::new(shape, part, i, map).vec3(0).max(Vec3::ZERO);
+                self.lights.emission.add(lanes, |i| map.of(light(i) * column(&retained, i)));
             }
             Known::Layer => self.layer(part, lanes, weight, depth),
             Known::AnisotropicVdf | Known::MediumVdf => self.medium(shape, part, lanes, weight),
-            Known::Holdout => self.lights.holdout.add(lanes, |i| column(weight, i)),
+            Known::Holdout => self.lights.holdout.add(lanes, |i| column(&retained, i)),
             Known::Debug => {}
             _ => self.scatter(shape, part, lanes, weight),
         }
     }
 
+    /// Weights in the working space, unless that is the shader's.
+    fn mapped(&self, weight: &Rows) -> Option<Rows> {
+        if self.map == ColorMap::default() {
+            return None;
+        }
+        let mut mapped = Rows::default();
+        for i in 0..LANES {
+            let color = self.map.of(column(weight, i)).to_array();
+            mapped.iter_mut().zip(color).for_each(|(row, x)| row[i] = x);
+        }
+        Some(mapped)
+    }
+
     /// The medium behind the surface.
     fn medium(&mut self, shape: &'static Shape, part: &Part<'a>, lanes: u32, weight: &Rows) {
         for i in lanes_of(lanes) {
-            let Interior { absorption, scattering, anisotropy } = interior(&Params::new(shape, part, i));
+            let Interior { absorption, scattering, anisotropy } =
+                interior(&Params::new(shape, part, i, self.map));
             self.lights.absorption.add(1 << i, |i| absorption * column(weight, i));
             self.lights.scattering.add(1 << i, |i| scattering * column(weight, i));
             self.lights.anisotropy = anisotropy;
@@ -306,13 +327,13 @@ impl<'a> Flattened<'a> {
             for (same, front) in [(lanes & !back, true), (back, false)] {
                 if same != 0 {
                     let i = same.trailing_zeros() as usize;
-                    let made = lobes(&Params::new(shape, part, i), front);
+                    let made = lobes(&Params::new(shape, part, i, self.map), front);
                     made.into_iter().flatten().for_each(|lobe| self.lists.push(same, &lobe));
                 }
             }
         } else {
             for i in lanes_of(lanes) {
-                let made = lobes(&Params::new(shape, part, i), back >> i & 1 == 0);
+                let made = lobes(&Params::new(shape, part, i, self.map), back >> i & 1 == 0);
                 made.iter().flatten().for_each(|lobe| self.lists.push_to(i, lobe));
             }
         }

@@ -10,8 +10,9 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
+use gnurt_image::WorkingSpace;
 use gnurt_shading::{
-    AttributeRequest, CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
+    AttributeRequest, CameraShader, ColorMap, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
 };
 use gnurt_simd::Level;
 use gnurt_sl::diagnostics::{Diagnostic, Severity, Style};
@@ -378,7 +379,7 @@ impl Script {
         self.is(Kind::Surface)?;
         let group = self.with_closure_output()?;
         let plan = self.plan(&group, &[])?;
-        let fixed = Fixed::of(&plan, &colors()?);
+        let fixed = Fixed::of(&plan, &colors()?, ColorMap::to(self.access.space));
         let common = match &fixed {
             // It runs only for callers that request its variables.
             Some(_) => self.common_of(&group, &plan, plan.clone())?,
@@ -550,14 +551,17 @@ impl Script {
         let frame = |name: &str| requests.iter().position(|request| request.name == name);
         let [area, time] = [AttributeRequest::SURFACE_AREA, AttributeRequest::TIME].map(frame);
         let [shutter, velocity] = [AttributeRequest::SHUTTER, AttributeRequest::VELOCITY].map(frame);
+        let properties = Properties::of(plan, &colors);
+        let space = if properties.is_radiance { WorkingSpace::Rec709 } else { self.access.space };
         Ok(Common {
             name: self.name.clone(),
             program,
             textures: self.textures.clone(),
             faults: self.faults.clone(),
             requests,
-            properties: Properties::of(plan, &colors),
+            properties,
             colors,
+            map: ColorMap::to(space),
             live: self.live.clone(),
             needs: Needs { area, time, shutter, velocity, ..Needs::of(plan) },
             scratch: Mutex::default(),

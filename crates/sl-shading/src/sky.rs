@@ -43,8 +43,13 @@ impl EnvironmentShader for ScriptSky {
                     points.set(lane, &point);
                 }
                 self.common.run(&world, points, &mut scratch.results);
-                let incoming =
-                    Flattened::flatten_lists(points, &scratch.results, (&mut lobes, 0), &mut scratch.open);
+                let incoming = Flattened::flatten_lists(
+                    points,
+                    &scratch.results,
+                    (&mut lobes, 0),
+                    &mut scratch.open,
+                    self.common.map,
+                );
                 for lane in 0..points.count {
                     let light = incoming.lights.emission.get(lane) + incoming.lights.radiance.get(lane);
                     out.set(first + lane, if light.is_finite() { light } else { Vec3::ZERO });

@@ -47,8 +47,13 @@ impl ScriptSurface {
                 points(hits, first, caller, self.common.needs, &mut scratch.points);
                 self.common.run(world, &scratch.points, &mut scratch.results);
                 let to = (&mut *out, if is_whole { first } else { 0 });
-                let flattened =
-                    Flattened::flatten_lists(&scratch.points, &scratch.results, to, &mut scratch.open);
+                let flattened = Flattened::flatten_lists(
+                    &scratch.points,
+                    &scratch.results,
+                    to,
+                    &mut scratch.open,
+                    self.common.map,
+                );
                 if flattened.is_cut() {
                     self.common.faults.note(&format!(
                         "{}: a point has more than {} lobes; the last ones are left out",
@@ -138,6 +143,10 @@ impl SurfaceShader for ScriptSurface {
 
     fn emits(&self) -> bool {
         self.common.properties.is_light
+    }
+
+    fn even_emission(&self) -> Option<[Vec3; 2]> {
+        self.fixed.as_ref().map(Fixed::emission)
     }
 
     fn transmit(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -12,8 +12,8 @@ use std::sync::{Arc, Mutex};
 use glam::Vec3;
 use gnurt_accel::Ray;
 use gnurt_shading::{
-    AttributeRequest, CameraProperties, LightBatch, PixelSamples, RayRequest, SampleKey, SurfaceBatch,
-    SurfaceHit, Tracer, Vec3s,
+    AttributeRequest, CameraProperties, ColorMap, LightBatch, PixelSamples, RayRequest, SampleKey,
+    SurfaceBatch, SurfaceHit, Tracer, Vec3s,
 };
 use gnurt_sl::exec::{
     Arriving, ClosureDecl, DualRow, Given, Host, LANES, Point, Points, Program, Results, TextureOptions,
@@ -49,6 +49,8 @@ pub(crate) struct Common {
     /// The requests to the mesh.
     pub(crate) requests: Vec<AttributeRequest>,
     pub(crate) colors: ColorSystem,
+    /// From Rec. 709 to the working space.
+    pub(crate) map: ColorMap,
     /// Parameters that may change while it runs.
     pub(crate) live: Live,
     /// The inputs that it reads.
@@ -110,6 +112,8 @@ pub(crate) struct World<'a> {
     queries: Option<RefCell<Queries<'a>>>,
     /// From a camera's space, at a time.
     pub(crate) world_from_camera: Option<&'a dyn Fn(f32) -> [[f32; 4]; 4]>,
+    /// Whether that is the same at all times.
+    pub(crate) camera_is_still: bool,
     /// Width over height of the picture.
     pub(crate) aspect: f32,
     /// The camera, of camera shaders.
@@ -152,6 +156,7 @@ impl<'a> World<'a> {
             pixels: None,
             queries: None,
             world_from_camera: None,
+            camera_is_still: false,
             aspect: 1.0,
             camera: None,
         }
@@ -329,6 +334,9 @@ impl Host for World<'_> {
     }
 
     fn is_same_space(&self, space: &str, lanes: u32, index: &[i32; LANES]) -> bool {
+        if space == "camera" {
+            return self.camera_is_still;
+        }
         let of_object = matches!(space, "object" | "shader");
         let Some(hits) = self.hits.filter(|_| of_object) else { return space == "world" || of_object };
         // An instance has one matrix.

@@ -14,7 +14,7 @@ use gnurt_scene::io::reader::{self, Access};
 use openusd::ar;
 
 use crate::package::Package;
-use crate::{crate_check, mtlx_layer, text_check};
+use crate::{crate_check, mtlx_layer, text_check, text_lists};
 
 /// The identifier of the layer that chooses variants.
 pub(crate) const SESSION: &str = "variants-of-the-command-line.usda";
@@ -96,8 +96,13 @@ impl Files {
         } else {
             text_check::check(&bytes)?;
         }
-        self.access.budget.hold(bytes.len().saturating_mul(2)).map_err(|excess| excess.to_string())?;
-        Ok(bytes)
+        let hold = |count: usize| self.access.budget.hold(count).map_err(|excess| excess.to_string());
+        hold(bytes.len().saturating_mul(2))?;
+        let is_text = !bytes.starts_with(crate_check::MAGIC);
+        match is_text.then(|| text_lists::plain(&bytes)).flatten() {
+            Some(plain) => hold(plain.len()).map(|()| Arc::new(plain)),
+            None => Ok(bytes),
+        }
     }
 }
 

@@ -32,6 +32,7 @@ mod skeleton;
 mod skin;
 mod strands;
 mod text_check;
+mod text_lists;
 mod textures;
 mod transform;
 mod value;

@@ -58,6 +58,7 @@ fn open(path: &Path, access: Access) -> Result<(Loaded, u64), Error> {
         Error::data(path, line_of(&problem), problem, REMEDY)
     })?;
     let reader = Reader::new(stage, at, path.to_owned(), files.clone());
+    reader.check_rate()?;
     reader.check_variants()?;
     let scene = walk::scene(&reader)?;
     reader.note_composition_errors();

@@ -126,7 +126,7 @@ impl Builder<'_> {
         }
         let mut parents: Option<Vec<u32>> = None;
         let shown = faces.iter().zip(&is_hole).filter(|(_, is_hole)| !**is_hole);
-        let control_triangles = shown.map(|(corners, _)| corners.len() as u64 - 2).sum();
+        let control_triangles: u64 = shown.map(|(corners, _)| corners.len() as u64 - 2).sum();
         let mut control = None;
         if let Some(surface) = surface {
             let requested = reader.files.access.subdivision;
@@ -200,8 +200,16 @@ impl Builder<'_> {
             return None;
         }
         let object = self.scene.add_object_of(prim.as_str(), meshes);
-        if let Some(control) = control {
-            self.scene.labels_mut().control_meshes.insert(object, control);
+        match control {
+            Some(control) => _ = self.scene.labels_mut().control_meshes.insert(object, control),
+            None => {
+                let ids = &self.scene.object(object).meshes;
+                let left: u64 = ids.iter().map(|&id| self.scene.mesh(id).indices.len() as u64).sum();
+                let flat = control_triangles.saturating_sub(left);
+                if flat > 0 {
+                    self.scene.labels_mut().flat_triangles.insert(object, flat);
+                }
+            }
         }
         let has_subsets = parts.len() > 1 || parts.iter().any(|part| part.is_subset);
         if has_subsets {

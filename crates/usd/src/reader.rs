@@ -45,6 +45,17 @@ impl Reader {
         if rate > 0.0 && rate.is_finite() { rate } else { 24.0 }
     }
 
+    /// The file's frames in a second must be a number above 0, as OpenUSD demands.
+    pub(crate) fn check_rate(&self) -> Result<(), Error> {
+        match self.stage_number("framesPerSecond") {
+            Some(rate) if rate <= 0.0 => {
+                let problem = format!("framesPerSecond is out of range: {rate}");
+                Err(Error::data(&self.path, None, problem, "valid are numbers above 0"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Allows one more prim to be looked at.
     pub(crate) fn count_prim(&self) -> Result<(), Error> {
         let most = MOST_PRIMS.max(self.files.length() / 4);

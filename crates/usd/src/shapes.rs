@@ -222,7 +222,11 @@ impl Builder<'_> {
             "Cone" => cylinder([number("radius", 1.0), 0.0], number("height", 2.0), axis, true),
             "Capsule" => capsule([number("radius", 0.5); 2], number("height", 1.0), axis),
             "Capsule_1" => capsule(radii(), number("height", 1.0), axis),
-            "Plane" => rectangle([number("width", 2.0), number("length", 2.0)], false, axis),
+            "Plane" => {
+                let (width, length) = (number("width", 2.0), number("length", 2.0));
+                // Width lies along x, or along z if that is free and x is not; length along what is left.
+                rectangle(if axis == 'Z' { [width, length] } else { [length, width] }, false, axis)
+            }
             _ => return None,
         };
         let color = |name: &str| {

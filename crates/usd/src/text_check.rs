@@ -39,7 +39,7 @@ pub(crate) fn check(bytes: &[u8]) -> Result<(), String> {
 }
 
 /// The length of the text in quotes at the beginning.
-fn string_end(bytes: &[u8], quote: u8) -> Option<usize> {
+pub(crate) fn string_end(bytes: &[u8], quote: u8) -> Option<usize> {
     let triple = [quote; 3];
     let (mut at, close) = match bytes.starts_with(&triple) {
         true => (3, &triple[..]),

@@ -16,7 +16,7 @@ fn fault(name: &str, bytes: &[u8]) -> Option<String> {
 #[test]
 fn texts_that_are_none() {
     let deep = format!("#usda 1.0\n{}", "def \"A\" {".repeat(5000));
-    let cases: [(&str, &[u8]); 8] = [
+    let cases: [(&str, &[u8]); 9] = [
         ("empty.usda", b""),
         ("binary.usda", b"\0\0\0\0\0"),
         ("latin.usda", b"#usda 1.0\ndef \"\xe4\" {}\n"),
@@ -25,6 +25,7 @@ fn texts_that_are_none() {
         ("number.usda", b"#usda 1.0\ndef Mesh \"A\" { float x = abc }\n"),
         ("word.usda", b"#usda 1.0\nnonsense\n"),
         ("deep.usda", deep.as_bytes()),
+        ("rate.usda", b"#usda 1.0\n(\n    framesPerSecond = 0\n)\n"),
     ];
     for (name, bytes) in cases {
         assert!(fault(name, bytes).is_some(), "{name} was read");

@@ -66,3 +66,21 @@ fn faulty_instancers_are_named() {
     assert!(warnings(&loaded).contains("/I: 2 protoIndices"), "{}", warnings(&loaded));
     assert!(loaded.scene.meshes().is_empty(), "one that repeats itself shows nothing");
 }
+
+/// Inactive ones are metadata, which layers edit as lists.
+#[test]
+fn inactive_ones_are_not_shown() {
+    let shown = |edit: &str| {
+        let body = format!(
+            "def PointInstancer \"P\" ( {edit} ) {{ rel prototypes = </P/C>\n int[] protoIndices = [0, 0, 0]\n point3f[] positions = [(0, 0, 0), (2, 0, 0), (4, 0, 0)]\n {CUBE} }}"
+        );
+        let loaded = load(&body);
+        assert_eq!(warnings(&loaded), "", "{edit}");
+        loaded.scene.occurrences().filter(|found| !found.object.meshes.is_empty()).count()
+    };
+    assert_eq!(shown(""), 3);
+    assert_eq!(shown("inactiveIds = [1]"), 2);
+    assert_eq!(shown("append inactiveIds = [0, 2]"), 1);
+    assert_eq!(shown("prepend inactiveIds = [1]"), 2);
+    assert_eq!(shown("delete inactiveIds = [1]"), 3);
+}

@@ -2,7 +2,7 @@
 //! Scenes written as layers and read back. The judge reads what is written with OpenUSD.
 
 use gnurt_scene::io::LoadOptions;
-use gnurt_scene::{Affine, Camera, Light, Material, Mesh, Scene};
+use gnurt_scene::{Affine, Camera, CurveBasis, CurveForm, Curves, Light, Material, Mesh, Primitives, Scene};
 use openusd::usdc::CrateFile;
 
 use crate::support::{FORMATS, Folder, warnings};
@@ -38,16 +38,21 @@ fn scene() -> Scene {
     scene
 }
 
+/// A scene after it was written and read, both without a warning.
+fn saved_and_read(before: &Scene, name: &str) -> Scene {
+    let folder = Folder::with(&[]);
+    let reported = FORMATS.save(before, folder.path(name)).unwrap_or_else(|error| panic!("{error}"));
+    assert!(reported.is_empty(), "{name}: {reported:?}");
+    let loaded = folder.load(name, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(warnings(&loaded), "", "{name}");
+    loaded.scene
+}
+
 #[test]
 fn both_forms_come_back() {
     let before = scene();
     for name in ["a.usda", "a.usdc", "b.usd"] {
-        let folder = Folder::with(&[]);
-        let reported = FORMATS.save(&before, folder.path(name)).unwrap_or_else(|error| panic!("{error}"));
-        assert!(reported.is_empty(), "{name}: {reported:?}");
-        let loaded = folder.load(name, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(warnings(&loaded), "", "{name}");
-        let after = &loaded.scene;
+        let after = &saved_and_read(&before, name);
         assert_eq!((after.meshes().len(), after.instances().len()), (1, 2), "{name}: one mesh, shown twice");
         let [old, new] = [&before.meshes()[0], &after.meshes()[0]];
         assert_eq!(
@@ -137,4 +142,83 @@ fn packages_are_not_written() {
     let folder = Folder::with(&[]);
     let error = FORMATS.save(&scene(), folder.path("a.usdz")).expect_err("no package").to_string();
     assert!(error.contains(".usdc"), "{error}");
+}
+
+/// Two strands of each basis, and spheres, one object each.
+fn strands() -> Scene {
+    let mut scene = Scene::new();
+    let material = scene.add_material(Material::matte("hair", [0.2, 0.1, 0.05]));
+    let vertex = |k: usize| [k as f32, (k * k % 7) as f32, (k % 3) as f32 * 0.25];
+    let cases = [
+        (CurveBasis::Linear, CurveForm::Round, [3, 2]),
+        (CurveBasis::Bezier, CurveForm::Oriented, [7, 4]),
+        (CurveBasis::BSpline, CurveForm::Round, [6, 4]),
+        (CurveBasis::CatmullRom, CurveForm::Round, [5, 4]),
+    ];
+    for (basis, form, lengths) in cases {
+        let count = lengths.iter().sum();
+        let mut curves = Curves::of_strands(basis, form, lengths);
+        curves.radii = (0..count).map(|k| 0.01 + 0.125 * k as f32).collect();
+        let is_ribbon = form == CurveForm::Oriented;
+        let mesh = scene.add_mesh(Mesh {
+            name: format!("{basis:?}"),
+            positions: (0..count).map(vertex).collect(),
+            normals: if is_ribbon { (0..count).map(|_| [0.0, 0.0, 1.0]).collect() } else { Vec::new() },
+            primitives: Primitives::Curves(Box::new(curves)),
+            material,
+            ..Mesh::default()
+        });
+        let object = scene.add_object_of("strands", vec![mesh]);
+        scene.instantiate(object, Affine::translation([0.0, 1.0, 0.0]));
+    }
+    let grey = scene.add_material(Material::matte("", [1.0; 3]));
+    let mesh = scene.add_mesh(Mesh {
+        positions: (0..5).map(vertex).collect(),
+        colors: (0..5).map(|k| [k as f32 / 4.0, 0.5, 0.0, 1.0]).collect(),
+        primitives: Primitives::Spheres(vec![0.5, 0.25, 1.0, 2.0, 0.125]),
+        material: grey,
+        ..Mesh::default()
+    });
+    let object = scene.add_object_of("dots", vec![mesh]);
+    for k in 0..2 {
+        scene.instantiate(object, Affine::translation([0.0, f64::from(k), 9.0]));
+    }
+    scene
+}
+
+#[test]
+fn curves_and_spheres_come_back() {
+    let before = strands();
+    for name in ["a.usda", "a.usdc"] {
+        let after = &saved_and_read(&before, name);
+        assert_eq!(after.instances().len(), 6, "{name}: the dots are shown twice");
+        for (old, new) in before.instances().iter().zip(after.instances()) {
+            let mesh = |scene: &Scene, object: gnurt_scene::ObjectId| {
+                scene.mesh(*scene.object(object).meshes.first().expect("a mesh")).clone()
+            };
+            let (old, new) = (mesh(&before, old.object), mesh(after, new.object));
+            assert_eq!(old.primitives, new.primitives, "{name}: radii, basis, form, segments");
+            assert_eq!((&old.positions, &old.normals), (&new.positions, &new.normals), "{name}");
+        }
+    }
+}
+
+/// Segments without spans are strands of their own; ribbons that face rays have no counterpart.
+#[test]
+fn segments_alone_are_curves_of_their_own() {
+    let mut scene = Scene::new();
+    let material = scene.add_material(Material::matte("", [0.5; 3]));
+    let mut curves = Curves::of_strands(CurveBasis::Linear, CurveForm::Flat, [4]);
+    (curves.radii, curves.spans) = (vec![0.1; 4], Vec::new());
+    let positions = (0..4).map(|k| [k as f32, 0.0, 0.0]).collect();
+    let primitives = Primitives::Curves(Box::new(curves));
+    let mesh = scene.add_mesh(Mesh { positions, primitives, material, ..Mesh::default() });
+    let object = scene.add_object_of("grass", vec![mesh]);
+    scene.instantiate(object, Affine::IDENTITY);
+    let folder = Folder::with(&[]);
+    let reported = FORMATS.save(&scene, folder.path("a.usda")).unwrap_or_else(|error| panic!("{error}"));
+    let reported: Vec<String> = reported.iter().map(ToString::to_string).collect();
+    assert!(reported.len() == 1 && reported[0].contains("tubes"), "{reported:?}");
+    let text = std::fs::read_to_string(folder.path("a.usda")).expect("the layer");
+    assert!(text.contains("int[] curveVertexCounts = [2, 2, 2]"), "{text}");
 }

@@ -48,4 +48,13 @@ fn areas_and_volumes() {
     }
     let plane = load("def Plane \"P\" { double width = 2\n double length = 3\n uniform token axis = \"Y\" }");
     assert!((measure(&plane.scene.meshes()[0])[0] - 6.0).abs() < 1e-6, "a plane");
+    // As OpenUSD computes the extents of planes 3 wide and 1.5 long.
+    for (axis, most) in [("X", [0.0, 0.75, 1.5]), ("Y", [1.5, 0.0, 0.75]), ("Z", [1.5, 0.75, 0.0])] {
+        let plane = load(&format!(
+            "def Plane \"P\" {{ double width = 3\n double length = 1.5\n uniform token axis = \"{axis}\" }}"
+        ));
+        let positions = plane.scene.meshes()[0].positions.clone();
+        let found = positions.into_iter().reduce(|a, b| [0, 1, 2].map(|k| a[k].max(b[k])));
+        assert_eq!(found, Some(most), "{axis}");
+    }
 }

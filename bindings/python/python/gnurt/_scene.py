@@ -78,7 +78,8 @@ class Scene(_Scene):
         diffuse_transmission_color, each with _texture behind.
 
         Or shader=FILE or source text in the shading language, parameters={name: number, text or several of them}, and
-        textures={name: number} for pictures that it calls by names.
+        textures={name: number} for pictures that it calls by names. "FILE.mtlx", "FILE.mtlx:NODE" and the text of a document are
+        materials of MaterialX, whose inputs are the parameters.
         """
         number = self._add_material({"name": name, **properties})
         _warn(self._progress())
@@ -88,6 +89,18 @@ class Scene(_Scene):
         """Puts another material in the place of one."""
         self._set_material(material, {"name": name, **properties})
         _warn(self._progress())
+
+    def shade(self, material, shader, *, parameters=None, textures=None):
+        """Shades the materials of a name, or all ("*"), as the program's --shader does. Returns their numbers.
+
+        shader is a FILE or source text in the shading language, or a document of MaterialX, "FILE.mtlx:NODE". A document with
+        several materials gives each of the scene's materials the one of its name. Emission and opacity of the materials stay.
+        parameters={name: number, text or several of them}, textures={name: number} as in `add_material`.
+        Raises ValueError for an unknown name or a shader that does not compile.
+        """
+        numbers = self._shade(material, {"shader": shader, "parameters": parameters, "textures": textures})
+        _warn(self._progress())
+        return numbers
 
     def add_medium(self, name="", **properties):
         """The number of a new medium: fog, smoke, milk.

@@ -74,18 +74,23 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
 }
 
 /// Choices of how pictures are stored.
-const STORED: [(&str, &str); 3] =
-    [("bits", "--bits"), ("compression", "--compression"), ("quality", "--quality")];
+const STORED: [(&str, &str); 5] = [
+    ("bits", "--bits"),
+    ("compression", "--compression"),
+    ("tile_size", "--tile-size"),
+    ("primaries", "--primaries"),
+    ("quality", "--quality"),
+];
 
 /// Choices that the format of a file does not have.
 fn of_file(path: &Path, tell: &mut impl FnMut(&[(&str, &str)], &str)) {
     let Ok(format) = PictureFormat::from_path(path) else { return };
-    let [bits, compression, quality] = STORED;
+    let [bits, compression, tile_size, primaries, quality] = STORED;
     if format != PictureFormat::PNG && format != PictureFormat::EXR {
         tell(&[bits], "except on PNG and EXR");
     }
     if format != PictureFormat::EXR {
-        tell(&[compression], "except on EXR");
+        tell(&[compression, tile_size, primaries], "except on EXR");
     }
     if format.name != "JPEG" {
         tell(&[quality], "except on JPEG");

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use gnurt::accel::Memory;
 use gnurt::display_rules::TONE;
-use gnurt::image::{ExrCompression, ExrPixels, Picture, ToneCurve, WriteOptions, exposure_for};
+use gnurt::image::{ExrCompression, ExrPixels, Picture, ToneCurve, WorkingSpace, WriteOptions, exposure_for};
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
@@ -19,6 +19,9 @@ use super::value::{self, CameraChoice, ExposureChoice, Resolution, ShaderChoice}
 /// The pixels to render, and their sampling.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FrameArguments {
+    /// The space in which light is computed; `render` alone has an option for it.
+    #[arg(skip)]
+    pub(crate) space: WorkingSpace,
     /// Size of the picture in pixels
     #[arg(
         help_heading = "Picture",
@@ -273,6 +276,24 @@ pub(crate) struct PictureFileArguments {
         hide_short_help = true
     )]
     compression: Option<ExrCompression>,
+    /// Primaries of an EXR's colours: rec709 or acescg [default: those of --working-space]
+    #[arg(
+        long,
+        value_name = "SPACE",
+        value_parser = value::working_space,
+        allow_hyphen_values = true,
+        hide_short_help = true
+    )]
+    primaries: Option<WorkingSpace>,
+    /// Width and height of an EXR's tiles, 16 to 16384 pixels, such as 64 [default: rows without tiles]
+    #[arg(
+        long,
+        value_name = "PIXELS",
+        value_parser = value::tile_size,
+        allow_hyphen_values = true,
+        hide_short_help = true
+    )]
+    tile_size: Option<u32>,
     /// Quality of a JPEG, 1 = the smallest file, to 100 [default: 92]
     #[arg(long, value_name = "N", value_parser = value::quality, allow_hyphen_values = true, hide_short_help = true)]
     quality: Option<u8>,
@@ -282,6 +303,11 @@ impl PictureFileArguments {
     /// Stores an EXR's colours with 32 bits, unless other ones were requested.
     pub(crate) fn exact(&mut self) {
         self.bits.get_or_insert(32);
+    }
+
+    /// Stores an EXR's colours in this space, unless another one was requested.
+    pub(crate) fn within(&mut self, space: WorkingSpace) {
+        self.primaries.get_or_insert(space);
     }
 
     /// These choices, and the defaults of the rest.
@@ -295,6 +321,8 @@ impl PictureFileArguments {
                 _ => default.exr_pixels,
             },
             exr_compression: self.compression.unwrap_or_default(),
+            exr_tile: self.tile_size,
+            exr_space: self.primaries.unwrap_or_default(),
             jpeg_quality: self.quality.unwrap_or(default.jpeg_quality),
             ..default
         }

@@ -103,7 +103,7 @@ fn occurrence(scene: &Scene, found: &Occurrence<'_>) -> Value {
         parts.iter().max_by(|a, b| a.1.1.total_cmp(&b.1.1)).and_then(|(&material, _)| name(material));
     let mut value = json!({
         "path": found.name,
-        "triangles": whole.triangles,
+        "triangles": whole.triangles + labels.flat_triangles.get(&found.object_id).copied().unwrap_or(0),
         "area": whole.area,
         "bounds": [whole.min, whole.max],
         "centroid": whole.centroid(),

@@ -16,6 +16,7 @@ use crate::messages::Messages;
 use crate::output::{Output, is_same_file};
 use crate::signals::{self, FirstSignal, while_writing};
 use crate::source::Source;
+use crate::workers::read_picture;
 
 /// The kind of a file by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +79,7 @@ fn written_kind(output: &Path) -> Result<Kind, Failure> {
 fn convert_picture(arguments: &ConvertArguments, environment: &Environment, messages: Messages) -> Outcome {
     let output = Output::named(&arguments.output)?;
     output.check()?;
-    let mut picture = image::read(Path::new(&arguments.input)).map_err(Failure::data)?;
+    let mut picture = read_picture(Path::new(&arguments.input)).map_err(Failure::data)?;
     if let Some(how) = arguments.denoiser.options(None) {
         let pool = gnurt::thread_pool(environment.threads.unwrap_or(0)).map_err(Failure::data)?;
         let used = denoise(&mut picture, &how, &pool).map_err(|error| {

@@ -17,7 +17,7 @@ use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
 use crate::output::{Output, is_same_file};
 use crate::signals::{self, FirstSignal};
-use crate::workers::machine;
+use crate::workers::{machine, read_picture};
 
 /// What pictures of one call share.
 struct Call<'a> {
@@ -116,7 +116,7 @@ fn at(file: &Path, error: &dyn std::fmt::Display) -> Failure {
 impl Call<'_> {
     /// Reads a picture and finds its layers.
     fn read(&self, file: &Path) -> Result<Picture, Failure> {
-        let mut picture = image::read(file).map_err(Failure::data)?;
+        let mut picture = read_picture(file).map_err(Failure::data)?;
         let told = adopt(&mut picture);
         if !told.is_empty() {
             self.messages.detail(format_args!("{}: {}", file.display(), told.join(", ")));

@@ -13,11 +13,12 @@ use crate::arguments::{DiffArguments, DisplayOptions};
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
 use crate::output::Output;
+use crate::workers::read_picture;
 
 /// Compares.
 pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
-    let a = image::read(&arguments.a).map_err(Failure::usage)?;
-    let b = image::read(&arguments.b).map_err(Failure::usage)?;
+    let a = read_picture(&arguments.a).map_err(Failure::usage)?;
+    let b = read_picture(&arguments.b).map_err(Failure::usage)?;
     let comparison = image::compare(&a, &b).map_err(|error| {
         Failure::usage(format_args!("{}, {}: {error}", arguments.a.display(), arguments.b.display()))
     })?;

@@ -232,6 +232,9 @@ pub(super) fn appear(
     ready: &Ready,
     options: &RenderOptions,
 ) {
+    if let Some(rows) = arguments.frame.space.to_rec709() {
+        picture.convert_colors(&rows);
+    }
     // Pieces have all layers; the list is applied to their picture.
     let chooses = plan.targets.picture.has_layers() && options.piece.is_none();
     if let Some(layers) = ready.list.as_ref().filter(|_| chooses) {
@@ -379,7 +382,7 @@ fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
 
 /// How the scene is to be made ready for rays.
 pub(super) fn commit_options(frame: &FrameArguments, trees: &TreeArguments, level: Level) -> CommitOptions {
-    CommitOptions { force_diffuse: frame.force_diffuse, level, memory: trees.memory }
+    CommitOptions { force_diffuse: frame.force_diffuse, level, memory: trees.memory, space: frame.space }
 }
 
 /// Computes the fingerprint of the scene's picture with this shutter, if it is needed; and opens the
@@ -394,7 +397,8 @@ pub(super) fn identify(
     if arguments.checkpoint.is_none() && arguments.piece.is_none() {
         return (0, None);
     }
-    let shown = (&chosen.camera, shaders::print(&arguments.frame, &arguments.view), open);
+    let space = arguments.frame.space;
+    let shown = (&chosen.camera, shaders::print(&arguments.frame, &arguments.view), open, space);
     let print = fingerprint(scene, arguments.frame.force_diffuse, &shown, options);
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
         // Each piece continues its own.

@@ -20,7 +20,7 @@ use crate::messages::Messages;
 use crate::output::{Output, is_same_file};
 use crate::picture_header::command;
 use crate::signals::{self, FirstSignal};
-use crate::workers::machine;
+use crate::workers::{machine, read_picture};
 
 /// A picture that is put together.
 struct Whole {
@@ -67,7 +67,7 @@ impl Whole {
     fn of(files: &[PathBuf]) -> Result<Self, Failure> {
         let mut whole: Option<Self> = None;
         for file in files {
-            let packed = image::read(file).map_err(Failure::data)?;
+            let packed = read_picture(file).map_err(Failure::data)?;
             let header = Header::of(&packed).ok_or_else(|| {
                 Failure::data(format_args!(
                     "{}: not a piece of a picture; `gnurt render --piece I/N` writes them",

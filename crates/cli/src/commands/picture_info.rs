@@ -5,15 +5,16 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gnurt::image::{self, ChannelData, Picture};
+use gnurt::image::{ChannelData, Picture};
 use serde_json::json;
 
 use crate::failure::{Failure, Outcome};
 use crate::messages::print;
+use crate::workers::read_picture;
 
 /// Prints the contents of a picture file.
 pub(super) fn run(path: &Path, json: bool) -> Outcome {
-    let picture = image::read(path).map_err(Failure::data)?;
+    let picture = read_picture(path).map_err(Failure::data)?;
     let [least, most] = range(&picture);
     let odd = picture.color.iter().filter(|pixel| pixel.iter().any(|x| !x.is_finite())).count();
     let open = picture.color.iter().filter(|pixel| pixel[3] < 1.0).count();

@@ -13,6 +13,7 @@ use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
 use crate::output::{Output, is_same_file};
 use crate::signals::{self, FirstSignal};
+use crate::workers::read_picture;
 
 /// Mixes.
 pub(crate) fn run(arguments: &RelightArguments, messages: Messages) -> Outcome {
@@ -31,7 +32,7 @@ pub(crate) fn run(arguments: &RelightArguments, messages: Messages) -> Outcome {
     signals::listen(FirstSignal::Leaves, messages)?;
     let mut look = None;
     for (file, output) in &frames {
-        let mut picture = image::read(file).map_err(Failure::data)?;
+        let mut picture = read_picture(file).map_err(Failure::data)?;
         relight(&mut picture, &arguments.gains)
             .map_err(|why| Failure::data(format_args!("{}: {why}", file.display())))?;
         let mut light = arguments.light;

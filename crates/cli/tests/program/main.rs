@@ -51,3 +51,4 @@ mod viewing;
 mod volumes;
 #[cfg(all(target_os = "linux", feature = "window"))]
 mod window;
+mod working_space;

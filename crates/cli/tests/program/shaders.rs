@@ -35,9 +35,6 @@ pub(crate) const SAME: [&str; 2] = ["", ""];
 /// As when a programmer changes a line: all is black.
 pub(crate) const BLACK: [&str; 2] = ["product[i] *= a;", "product[i] = 0 * a;"];
 
-/// Divides by zero.
-pub(crate) const NOT_A_NUMBER: [&str; 2] = ["product[i] *= a;", "product[i] = 0 / (a - a);"];
-
 fn picture(folder: &Folder, name: &str) -> Picture {
     gnurt::image::read(&folder.at(name)).expect("a picture")
 }

@@ -15,6 +15,9 @@ use super::{animation, samples, shaders};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// A change of a plugin's text, as `shaders::BLACK`: divides by zero.
+const NOT_A_NUMBER: [&str; 2] = ["product[i] *= a;", "product[i] = 0 / (a - a);"];
+
 /// A display of its own, taken away at the end.
 struct Display {
     server: Child,
@@ -322,7 +325,7 @@ fn plugins_that_change_are_loaded_again() {
 fn faults_of_plugins_are_told() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
-    shaders::compile(&folder, "diffuse", shaders::NOT_A_NUMBER);
+    shaders::compile(&folder, "diffuse", NOT_A_NUMBER);
     let line = "builtin:cornell -r 120x90 --spp 1 --shader *=diffuse@diffuse.so";
     let viewer = Viewer::open(&display, &folder, &format!("view {line} --frames 100000"));
     let fault = viewer.hears("NaN or infinite");

@@ -3,7 +3,7 @@
 //! Help texts, messages, the Python package and docs/reference/formats.md list formats from the table of them (`table.rs`).
 //! Tests: `table.rs`.
 
-use super::options::{Workers, WriteOptions};
+use super::options::{ALONE, Workers, WriteOptions};
 use super::source::Source;
 use crate::{Budget, Error, Picture, Stored, StoredValues, Texels};
 
@@ -40,12 +40,13 @@ pub(super) enum Signature {
 
 type Encode = fn(&Picture, &WriteOptions, Workers) -> Result<Vec<u8>, Error>;
 type Decode<T> = fn(&mut dyn Source, u64, &Budget) -> Result<T, Error>;
+type DecodePicture = fn(&mut dyn Source, u64, &Budget, Workers) -> Result<Picture, Error>;
 type DecodeTexels = fn(&mut dyn Source, u64, Meaning, &Budget) -> Result<Texels, Error>;
 
 /// A format's readers of a source and its length. Pictures of floats become textures and stored values by themselves.
 #[derive(Debug)]
 pub(super) struct Readers {
-    pub(super) picture: Decode<Picture>,
+    pub(super) picture: DecodePicture,
     pub(super) texels: Option<DecodeTexels>,
     pub(super) stored: Option<Decode<Stored>>,
 }
@@ -78,10 +79,11 @@ impl PictureFormat {
         length: u64,
         meaning: Meaning,
         budget: &Budget,
+        workers: Workers,
     ) -> Result<Texels, Error> {
         match self.read.texels {
             Some(texels) => texels(source, length, meaning, budget),
-            None => (self.read.picture)(source, length, budget).map(Texels::from),
+            None => (self.read.picture)(source, length, budget, workers).map(Texels::from),
         }
     }
 
@@ -94,7 +96,7 @@ impl PictureFormat {
         if let Some(stored) = self.read.stored {
             return stored(source, length, budget);
         }
-        let picture = (self.read.picture)(source, length, budget)?;
+        let picture = (self.read.picture)(source, length, budget, ALONE)?;
         let values = picture.color.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
         Ok(Stored::plain([picture.width as usize, picture.height as usize], 3, StoredValues::F32(values)))
     }

@@ -30,7 +30,11 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     has_layers: false,
     is_whole: true,
     signature: Signature::Head(|head| head.starts_with(b"#?R")),
-    read: Readers { picture: decode, texels: None, stored: None },
+    read: Readers {
+        picture: |source, length, budget, _| decode(source, length, budget),
+        texels: None,
+        stored: None,
+    },
     write: Some(|picture, _, _| Ok(encode(picture))),
 };
 

@@ -40,6 +40,7 @@ pub use replace::{check_writable, replace_file, replace_file_if};
 
 use crate::{Budget, Error, Picture, Stored, Texels};
 use format::Meaning;
+use options::ALONE;
 use source::Source;
 
 /// Writes a picture in the format that the file's name ends in. The file appears whole or not at all.
@@ -57,8 +58,7 @@ pub fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(
 /// # Errors
 /// [`Error::Shape`] if sizes do not fit, [`Error::TooLarge`] if the format cannot hold as many rows or columns.
 pub fn encode(picture: &Picture, format: &PictureFormat, options: &WriteOptions) -> Result<Vec<u8>, Error> {
-    let one_by_one: Workers = &|count, job| (0..count).for_each(job);
-    encode_with(picture, format, options, one_by_one)
+    encode_with(picture, format, options, ALONE)
 }
 
 /// [`encode`] with the caller's workers, which compress the blocks of an EXR. The bytes are the same.
@@ -83,8 +83,16 @@ pub fn encode_with(
 /// # Errors
 /// [`Error::File`] if the file cannot be read or is no regular one, [`Error::In`] if its data is bad.
 pub fn read(path: &Path) -> Result<Picture, Error> {
+    read_with(path, ALONE)
+}
+
+/// [`read`] with the caller's workers, which decompress the blocks of an EXR. The picture is the same.
+///
+/// # Errors
+/// As of [`read`].
+pub fn read_with(path: &Path, workers: Workers) -> Result<Picture, Error> {
     let (mut source, length) = open_picture(path)?;
-    picture_from(&mut source, length, &path.to_string_lossy()).map_err(|error| error.in_file(path))
+    picture_from(&mut source, length, &path.to_string_lossy(), workers).map_err(|error| error.in_file(path))
 }
 
 /// Reads a picture from bytes; the name decides only where the bytes do not identify the format (TGA).
@@ -92,7 +100,7 @@ pub fn read(path: &Path) -> Result<Picture, Error> {
 /// # Errors
 /// [`Error::UnknownFormat`], [`Error::Corrupt`] or [`Error::TooLarge`].
 pub fn decode(bytes: &[u8], name: &str) -> Result<Picture, Error> {
-    picture_from(&mut Cursor::new(bytes), bytes.len() as u64, name)
+    picture_from(&mut Cursor::new(bytes), bytes.len() as u64, name, ALONE)
 }
 
 /// Reads a colour texture from bytes: 8-bit values stay bytes (sRGB), others become linear floats.
@@ -131,7 +139,7 @@ pub fn decode_data_texture_within(bytes: &[u8], name: &str, most_bytes: u64) -> 
 fn decode_texels(bytes: &[u8], name: &str, meaning: Meaning, most_bytes: u64) -> Result<Texels, Error> {
     let length = bytes.len() as u64;
     let budget = &Budget::of_picture(length).at_most(most_bytes);
-    texels_from(&mut Cursor::new(bytes), length, name, meaning, budget)
+    texels_from(&mut Cursor::new(bytes), length, name, meaning, budget, ALONE)
 }
 
 /// Reads a colour texture from a file; see [`decode_texture`].
@@ -139,7 +147,15 @@ fn decode_texels(bytes: &[u8], name: &str, meaning: Meaning, most_bytes: u64) ->
 /// # Errors
 /// As [`read`].
 pub fn read_texture(path: &Path) -> Result<Texels, Error> {
-    read_texels(path, Meaning::Color)
+    read_texels(path, Meaning::Color, ALONE)
+}
+
+/// [`read_texture`] with the caller's workers, which decompress the blocks of an EXR. The texels are the same.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_texture_with(path: &Path, workers: Workers) -> Result<Texels, Error> {
+    read_texels(path, Meaning::Color, workers)
 }
 
 /// Reads a texture of measures from a file; see [`decode_data_texture`].
@@ -147,7 +163,7 @@ pub fn read_texture(path: &Path) -> Result<Texels, Error> {
 /// # Errors
 /// As [`read`].
 pub fn read_data_texture(path: &Path) -> Result<Texels, Error> {
-    read_texels(path, Meaning::Measure)
+    read_texels(path, Meaning::Measure, ALONE)
 }
 
 /// Reads a file as it is: all channels and levels, values as they are stored.
@@ -170,16 +186,21 @@ fn stored_from(source: &mut dyn Source, length: u64, name: &str, budget: &Budget
     PictureFormat::of(source, length, name)?.stored(source, length, budget)
 }
 
-fn read_texels(path: &Path, meaning: Meaning) -> Result<Texels, Error> {
+fn read_texels(path: &Path, meaning: Meaning, workers: Workers) -> Result<Texels, Error> {
     let (mut source, length) = open_picture(path)?;
     let budget = &Budget::of_picture(length);
-    texels_from(&mut source, length, &path.to_string_lossy(), meaning, budget)
+    texels_from(&mut source, length, &path.to_string_lossy(), meaning, budget, workers)
         .map_err(|error| error.in_file(path))
 }
 
-fn picture_from(source: &mut dyn Source, length: u64, name: &str) -> Result<Picture, Error> {
+fn picture_from(
+    source: &mut dyn Source,
+    length: u64,
+    name: &str,
+    workers: Workers,
+) -> Result<Picture, Error> {
     let budget = &Budget::of_picture(length);
-    (PictureFormat::of(source, length, name)?.read.picture)(source, length, budget)
+    (PictureFormat::of(source, length, name)?.read.picture)(source, length, budget, workers)
 }
 
 fn texels_from(
@@ -188,6 +209,7 @@ fn texels_from(
     name: &str,
     meaning: Meaning,
     budget: &Budget,
+    workers: Workers,
 ) -> Result<Texels, Error> {
-    PictureFormat::of(source, length, name)?.texels(source, length, meaning, budget)
+    PictureFormat::of(source, length, name)?.texels(source, length, meaning, budget, workers)
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How pictures are written.
 
-use crate::ToneCurve;
+use crate::{ToneCurve, WorkingSpace};
 
 /// Precision of the colours in an EXR.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -68,6 +68,10 @@ pub struct WriteOptions {
     pub exr_pixels: ExrPixels,
     /// EXR: compression of all channels.
     pub exr_compression: ExrCompression,
+    /// EXR: space of the colours.
+    pub exr_space: WorkingSpace,
+    /// EXR: width and height of tiles in pixels; `None` = rows.
+    pub exr_tile: Option<u32>,
     /// PNG: whether a channel has 16 bits instead of 8.
     pub png_16_bits: bool,
     /// JPEG: from 1, the smallest file, to 100.
@@ -81,6 +85,8 @@ impl Default for WriteOptions {
             exposure: 0.0,
             exr_pixels: ExrPixels::default(),
             exr_compression: ExrCompression::default(),
+            exr_space: WorkingSpace::default(),
+            exr_tile: None,
             png_16_bits: false,
             jpeg_quality: 92,
         }
@@ -89,3 +95,6 @@ impl Default for WriteOptions {
 
 /// Calls a job once for each number below a count, in any order, and returns when all calls have.
 pub type Workers<'a> = &'a dyn Fn(usize, &(dyn Fn(usize) + Sync));
+
+/// The calling thread.
+pub(super) const ALONE: Workers<'static> = &|count, job| (0..count).for_each(job);

@@ -23,7 +23,11 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     signature: Signature::Head(
         |head| matches!(head, [b'P', b'F' | b'f', space, ..] if space.is_ascii_whitespace()),
     ),
-    read: Readers { picture: decode, texels: None, stored: None },
+    read: Readers {
+        picture: |source, length, budget, _| decode(source, length, budget),
+        texels: None,
+        stored: None,
+    },
     write: Some(|picture, _, _| Ok(encode(picture))),
 };
 

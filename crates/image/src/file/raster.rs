@@ -55,7 +55,7 @@ impl RasterFormat {
 macro_rules! reader {
     ($format:expr) => {
         Readers {
-            picture: |source, length, budget| picture(source, length, $format, budget),
+            picture: |source, length, budget, _| picture(source, length, $format, budget),
             texels: Some(|source, length, meaning, budget| texels(source, length, $format, meaning, budget)),
             stored: Some(|source, length, budget| stored(source, length, $format, budget)),
         }

@@ -40,7 +40,9 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
         matches!(head, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..])
     }),
     read: Readers {
-        picture: |source, length, budget| texels(source, length, Meaning::Color, budget).map(Picture::from),
+        picture: |source, length, budget, _| {
+            texels(source, length, Meaning::Color, budget).map(Picture::from)
+        },
         texels: Some(texels),
         stored: Some(stored),
     },

@@ -13,6 +13,7 @@ use std::time::Instant;
 use glam::Vec3;
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Affine, Scene};
+use gnurt_shading::ColorMap;
 
 use super::dirty::DirtyParts;
 use super::instance::InstanceSlot;
@@ -104,12 +105,12 @@ impl World {
         let mut emission_changed = false;
         if !dirty.materials.is_empty() {
             let materials = Arc::make_mut(&mut self.materials);
-            let changed = materials.update(&dirty.materials, scene, shaders, options.force_diffuse);
+            let changed = materials.update(&dirty.materials, scene, shaders, options);
             (report.made_shaders, emission_changed) = (changed.made, changed.emission);
         }
 
         if !dirty.materials.is_empty() || !dirty.media.is_empty() {
-            let media = Media::new(scene, shaders, &self.media);
+            let media = Media::new(scene, shaders, &self.media, ColorMap::to(options.space));
             if !(media.is_empty() && self.media.is_empty()) {
                 self.media = Arc::new(media);
             }
@@ -136,7 +137,7 @@ impl World {
             emitters,
             bounds: [bounds.min, bounds.max].map(Vec3::from),
         };
-        if let Some(lights) = lights.after(changed, scene, shaders, pool) {
+        if let Some(lights) = lights.after(changed, scene, shaders, pool, ColorMap::to(options.space)) {
             report.made_lights = true;
             self.lights = Arc::new(lights);
         }

@@ -4,6 +4,7 @@
 //! object was changed, or a material's emission changed. Tests:
 //! `crates/render/tests/{lights,commit,shader_emission}.rs`.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use gnurt_accel::threads;
@@ -148,10 +149,14 @@ impl Emitters {
 
 impl Found {
     fn of(emissive: &[u32], time: f32, shown: Shown, emitters: &[Arc<shading::Emitter>]) -> Self {
-        // Position among the emitters of each emissive material.
-        let mut next = 0..;
-        let number: Vec<Option<u32>> =
-            shown.materials.emitters().map(|emitter| emitter.and_then(|_| next.next())).collect();
+        // Positions among the emitters of those of each material.
+        let mut next = 0;
+        let range = |some: &[Arc<shading::Emitter>]| {
+            let first = next;
+            next += some.len();
+            first..next
+        };
+        let ranges: Vec<Range<usize>> = shown.materials.emitters().map(range).collect();
         let of_instance = |instance_index: usize| {
             let inst_id = emissive[instance_index];
             let mut found = Vec::new();
@@ -160,23 +165,19 @@ impl Found {
             let whole = (0, &instance.at(time), time);
             each_lamp(&instance.object, whole, shown.materials, &mut |object, leaf, at| {
                 for (geom_id, (mesh, keys)) in (0..).zip(object.meshes.iter().zip(&object.keys)) {
-                    let Some(emitter) = number[mesh.material.index()] else { continue };
-                    let of = (emitter, &*emitters[emitter as usize]);
-                    for prim_id in 0..mesh.indices.len() {
-                        let Some(front) = triangle(at, (mesh, keys, time), prim_id, of) else { continue };
+                    let range = ranges[mesh.material.index()].clone();
+                    let mesh = (&**mesh, &**keys, time);
+                    for prim_id in 0..mesh.0.indices.len() {
                         let prim = prim_id as u32;
                         let (ids, met) =
                             ([first + leaf, geom_id, prim], [instance_index as u32, leaf, geom_id, prim]);
-                        if of.1.shader().is_none() {
-                            found.push((front, (ids, None)));
-                            continue;
-                        }
-                        // Both sides may emit.
-                        for side in [front.clone(), turned(front)] {
-                            let shader_emission =
-                                EmissionTriangle { met, inst_id, emitter, is_turned: side.is_turned };
-                            found.push((side, (ids, Some(shader_emission))));
-                        }
+                        let of_material = range.clone().map(|i| (i as u32, &*emitters[i]));
+                        each_side(at, mesh, prim_id, of_material, |side, by_shader| {
+                            let (emitter, is_turned) = (side.emitter, side.is_turned);
+                            let queried =
+                                by_shader.then_some(EmissionTriangle { met, inst_id, emitter, is_turned });
+                            found.push((side, (ids, queried)));
+                        });
                     }
                 }
             });
@@ -215,6 +216,28 @@ fn each_lamp(
         }
     }
     visit(object, first + members.own_leaf(), instance_index);
+}
+
+/// Calls `with` with the sides of a triangle that may emit, in the world, and whether a shader computes their emission.
+/// A material has one emitter, of its front or by a shader of both sides, or two, of its front and of its back.
+fn each_side<'e>(
+    at: &Transform,
+    mesh: (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
+    prim_id: usize,
+    emitters: impl ExactSizeIterator<Item = (u32, &'e shading::Emitter)>,
+    mut with: impl FnMut(shading::EmissiveTriangle, bool),
+) {
+    let has_both = emitters.len() == 2;
+    for (side, of) in emitters.enumerate() {
+        let Some(front) = triangle(at, mesh, prim_id, of) else { return };
+        if of.1.shader().is_some() {
+            with(front.clone(), true);
+            with(turned(front), true);
+        } else if !has_both || front.brightness > 0.0 {
+            // One side of two may be dark.
+            with(if side == 0 { front } else { turned(front) }, false);
+        }
+    }
 }
 
 /// A triangle in the world; `None` if it cannot be traced, because absent triangles emit nothing.

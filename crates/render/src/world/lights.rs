@@ -13,7 +13,7 @@ use gnurt_scene::material::TextureRef;
 use gnurt_scene::{Affine, Light, LightId, Scene};
 use gnurt_shading::lights as shading;
 use gnurt_shading::lights::{EnvironmentLight, LightSet};
-use gnurt_shading::{EnvironmentShader, LightShader};
+use gnurt_shading::{ColorMap, EnvironmentShader, LightShader};
 
 use super::emitters::Emitters;
 use super::table::ShaderTable;
@@ -48,6 +48,8 @@ pub(crate) struct Lights {
     own_environment: Option<EnvironmentLight>,
     /// The scene's lights without extent, in their order.
     punctual: Vec<Light>,
+    /// From their colours to the working space.
+    map: ColorMap,
     /// All but `plugins`, for callers that need densities.
     parts: shading::LightParts,
     /// Built for the first integrator that needs it.
@@ -127,18 +129,19 @@ impl Lights {
         scene: &Scene,
         shaders: &ShaderTable,
         pool: &rayon::ThreadPool,
+        map: ColorMap,
     ) -> Option<Self> {
         let table_changed = !self.shows(shaders);
         let own_environment = if shaders.environment.is_some() {
             None
         } else if changed.edited || table_changed {
-            environment(scene, self.own_environment.as_ref(), Threads::Pool(pool))
+            environment(scene, self.own_environment.as_ref(), Threads::Pool(pool), map)
         } else {
             self.own_environment.clone()
         };
         let backdrop = match table_changed || changed.edited {
             _ if own_environment.is_none() => None,
-            true => backdrop(scene, self.backdrop.as_ref(), Threads::Pool(pool)),
+            true => backdrop(scene, self.backdrop.as_ref(), Threads::Pool(pool), map),
             false => self.backdrop.clone(),
         };
         let same_environment = same(backdrop.as_ref(), self.backdrop.as_ref(), Arc::ptr_eq)
@@ -149,7 +152,7 @@ impl Lights {
             return None;
         }
         let emitters = changed.emitters.map_or_else(|| self.emitters.clone(), Arc::new);
-        let mut lights = Self::of(scene, shaders, emitters, own_environment, changed.bounds);
+        let mut lights = Self::of(scene, shaders, emitters, own_environment, changed.bounds, map);
         lights.backdrop = backdrop;
         if same_lights || (same_environment && !table_changed && lights.is_like(self)) {
             // An edit of an invisible light, or of a texture other than the environment's, changes nothing.
@@ -171,9 +174,10 @@ impl Lights {
         emitters: Arc<Emitters>,
         own_environment: Option<EnvironmentLight>,
         bounds: [Vec3; 2],
+        map: ColorMap,
     ) -> Self {
         let others = (&table.lights[..], &table.environment);
-        Self::made(scene.lights(), others, emitters, own_environment, bounds)
+        Self::made(scene.lights(), others, emitters, own_environment, bounds, map)
     }
 
     /// The same lights at a time of the open shutter: those of the scene, and the emissive triangles, if they
@@ -183,7 +187,8 @@ impl Lights {
         let emitters = emitters.map_or_else(|| self.emitters.clone(), Arc::new);
         let from_table = self.environment.clone().filter(|_| self.own_environment.is_none());
         let others = (&self.shaders[self.plugins.clone()], &from_table);
-        let made = Self::made(&lights, others, emitters, self.own_environment.clone(), self.parts.bounds);
+        let made =
+            Self::made(&lights, others, emitters, self.own_environment.clone(), self.parts.bounds, self.map);
         Self { backdrop: self.backdrop.clone(), ..made }
     }
 
@@ -193,6 +198,7 @@ impl Lights {
         emitters: Arc<Emitters>,
         own_environment: Option<EnvironmentLight>,
         bounds: [Vec3; 2],
+        map: ColorMap,
     ) -> Self {
         let mut parts = shading::LightParts {
             triangles: emitters.triangles.clone(),
@@ -208,7 +214,7 @@ impl Lights {
         if let Some(triangles) = &parts.triangles {
             shaders.push(triangles.clone());
         }
-        shaders.extend(punctual.iter().filter_map(|light| without_extent(light, &mut parts)));
+        shaders.extend(punctual.iter().filter_map(|light| without_extent(light, &mut parts, map)));
         let plugins = shaders.len()..shaders.len() + others.len();
         shaders.extend(others.iter().cloned());
         let mut environment = environment.clone();
@@ -230,6 +236,7 @@ impl Lights {
             emitters,
             own_environment,
             punctual,
+            map,
             parts,
             set,
             plugin_emitters,
@@ -268,22 +275,27 @@ fn same<T>(now: Option<&T>, before: Option<&T>, is: impl Fn(&T, &T) -> bool) -> 
 }
 
 /// A light without extent, which is added to `parts`, too.
-fn without_extent(light: &Light, parts: &mut shading::LightParts) -> Option<Arc<dyn LightShader>> {
+fn without_extent(
+    light: &Light,
+    parts: &mut shading::LightParts,
+    map: ColorMap,
+) -> Option<Arc<dyn LightShader>> {
+    let color = |color: [f32; 3]| map.of(Vec3::from(color));
     match *light {
         Light::Point { position, intensity } => {
-            let point = shading::PointLight { position: position.into(), intensity: intensity.into() };
+            let point = shading::PointLight { position: position.into(), intensity: color(intensity) };
             parts.points.push(point);
             Some(Arc::new(point))
         }
         Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
             let (position, direction) = (Vec3::from(position), Vec3::from(direction));
             let spot =
-                shading::SpotLight::new(position, direction, intensity.into(), inner_angle, outer_angle)?;
+                shading::SpotLight::new(position, direction, color(intensity), inner_angle, outer_angle)?;
             parts.spots.push(spot);
             Some(Arc::new(spot))
         }
         Light::Directional { direction, irradiance } => {
-            let directional = shading::DirectionalLight::new(direction.into(), irradiance.into())?;
+            let directional = shading::DirectionalLight::new(direction.into(), color(irradiance))?;
             parts.directionals.push(directional);
             Some(Arc::new(directional))
         }
@@ -296,7 +308,7 @@ pub(super) fn order_in_set(scene: &Scene) -> Vec<LightId> {
     let mut parts = shading::LightParts::default();
     let mut kinds = [(); 3].map(|()| Vec::new());
     for (id, light) in (0..).map(LightId).zip(scene.lights()) {
-        if without_extent(light, &mut parts).is_some() {
+        if without_extent(light, &mut parts, ColorMap::default()).is_some() {
             let counts = [parts.points.len(), parts.spots.len(), parts.directionals.len()];
             let grown = (0..3).find(|&kind| counts[kind] > kinds[kind].len());
             grown.into_iter().for_each(|kind| kinds[kind].push(id));
@@ -316,6 +328,7 @@ fn backdrop(
     scene: &Scene,
     before: Option<&Arc<shading::PictureEnvironment>>,
     threads: Threads,
+    map: ColorMap,
 ) -> Option<Arc<shading::PictureEnvironment>> {
     let (texture, rotation) = scene.lights().iter().rev().find_map(|light| match light {
         Light::Backdrop { texture, world_from_light } => Some((*texture, rotation_of(world_from_light))),
@@ -324,7 +337,10 @@ fn backdrop(
     let sampler = sharp(scene, &TextureRef::new(texture));
     match before {
         Some(same) if same.shows(&sampler) && same.shines_as(Vec3::ONE, rotation) => Some(same.clone()),
-        _ => shading::PictureEnvironment::new(sampler, Vec3::ONE, rotation, threads).map(Arc::new),
+        _ => {
+            let new = shading::PictureEnvironment::new(sampler, Vec3::ONE, rotation, threads)?;
+            Some(Arc::new(new.mapped(map)))
+        }
     }
 }
 
@@ -333,6 +349,7 @@ fn environment(
     scene: &Scene,
     before: Option<&EnvironmentLight>,
     threads: Threads,
+    map: ColorMap,
 ) -> Option<EnvironmentLight> {
     let last = scene.lights().iter().rev().find_map(|light| match light {
         Light::Environment { radiance, texture, world_from_light } => {
@@ -342,6 +359,7 @@ fn environment(
     });
     let (radiance, texture, world_from_light) = last.filter(|(radiance, ..)| radiance.max_element() > 0.0)?;
     let Some(texture) = texture else {
+        let radiance = map.of(radiance);
         let same = |light: &&EnvironmentLight| matches!(light, EnvironmentLight::Constant(constant) if constant.radiance == radiance);
         let new = || EnvironmentLight::Constant(Arc::new(shading::ConstantEnvironment { radiance }));
         return Some(before.filter(same).cloned().unwrap_or_else(new));
@@ -355,7 +373,7 @@ fn environment(
             }
             picture.again(radiance, rotation)?
         }
-        _ => shading::PictureEnvironment::new(sampler, radiance, rotation, threads)?,
+        _ => shading::PictureEnvironment::new(sampler, radiance, rotation, threads)?.mapped(map),
     };
     Some(EnvironmentLight::Picture(Arc::new(picture)))
 }

@@ -7,19 +7,20 @@ use std::sync::Arc;
 
 use gnurt_accel::SharedList;
 use gnurt_scene::{Scene, Surface};
-use gnurt_shading::SurfaceShader;
 use gnurt_shading::lights::Emitter;
+use gnurt_shading::materials::{Coverage, Emission};
+use gnurt_shading::{ColorMap, SurfaceShader};
 
 use super::materials;
-use super::table::ShaderTable;
+use super::table::{CommitOptions, ShaderTable};
 use super::textures::{Reading, Textures};
 
 /// A material as rays meet it.
 #[derive(Clone)]
 pub(crate) struct MaterialEntry {
     pub(crate) shader: Arc<dyn SurfaceShader>,
-    /// Its emission, if any.
-    pub(super) emitter: Option<Arc<Emitter>>,
+    /// Its emission: none, that of the front, that of both sides by the shader, or that of the front and that of the back.
+    emitters: Vec<Arc<Emitter>>,
     is_opaque: bool,
     pub(crate) is_solid: bool,
     has_medium: bool,
@@ -104,12 +105,12 @@ impl MaterialTable {
     }
 
     /// The emission of each, in their order.
-    pub(super) fn emitters(&self) -> impl Iterator<Item = Option<&Arc<Emitter>>> {
-        self.entries.iter().map(|entry| entry.as_ref().and_then(|entry| entry.emitter.as_ref()))
+    pub(super) fn emitters(&self) -> impl Iterator<Item = &[Arc<Emitter>]> {
+        self.entries.iter().map(|entry| entry.as_ref().map_or(&[][..], |entry| &entry.emitters))
     }
 
     pub(super) fn is_emissive(&self, material: usize) -> bool {
-        self.get(material).emitter.is_some()
+        !self.get(material).emitters.is_empty()
     }
 
     /// Those whose shader in the table is another one now, and its number there.
@@ -128,16 +129,16 @@ impl MaterialTable {
         dirty: &[u32],
         scene: &Scene,
         shaders: &ShaderTable,
-        force_diffuse: bool,
+        options: &CommitOptions,
     ) -> ChangedMaterials {
         let mut changed = ChangedMaterials { made: dirty.len(), emission: false };
         self.entries.grow(scene.materials().len());
         for &id in dirty {
             let index = self.entries.edit(id as usize);
             let before = index.take();
-            let now = entry((scene, &self.textures), id, shaders, force_diffuse, before.as_ref());
-            let emitter = |entry: &MaterialEntry| entry.emitter.as_ref().map(Arc::as_ptr);
-            changed.emission |= before.as_ref().and_then(emitter) != emitter(&now);
+            let now = entry((scene, &self.textures), id, shaders, options, before.as_ref());
+            let before_emitters = before.as_ref().map_or(&[][..], |entry| &entry.emitters);
+            changed.emission |= !same_emitters(before_emitters, &now.emitters);
             let count = |what: fn(&MaterialEntry) -> bool, total: usize| {
                 total + usize::from(!what(&now))
                     - usize::from(before.as_ref().is_some_and(|entry| !what(entry)))
@@ -163,6 +164,10 @@ impl MaterialTable {
     }
 }
 
+fn same_emitters(a: &[Arc<Emitter>], b: &[Arc<Emitter>]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b))
+}
+
 /// The number in the shader table that a material names.
 fn number_of(scene: &Scene, material: u32) -> Option<u32> {
     match scene.materials()[material as usize].surface {
@@ -175,12 +180,13 @@ fn entry(
     (scene, textures): (&Scene, &Textures),
     id: u32,
     shaders: &ShaderTable,
-    force_diffuse: bool,
+    options: &CommitOptions,
     before: Option<&MaterialEntry>,
 ) -> MaterialEntry {
+    let force_diffuse = options.force_diffuse;
     let material = &scene.materials()[id as usize];
     let opacity_texture = if force_diffuse { None } else { materials::opacity_texture(&material.alpha) };
-    let from = Reading { scene, textures, opacity_texture };
+    let from = Reading { scene, textures, opacity_texture, map: ColorMap::to(options.space) };
     let emission = materials::emission(from, material);
     let coverage = if force_diffuse { None } else { materials::coverage(from, &material.alpha) };
     // With or without `--force-diffuse`: an edit of the shader marks the surface as dirty.
@@ -188,16 +194,27 @@ fn entry(
     // Radiance from a surface's own rays and light loops is no emission.
     let emission_shader =
         from_table.as_ref().filter(|it| !force_diffuse && it.emits() && it.radiance().is_none());
-    let before = before.and_then(|before| before.emitter.as_ref());
-    let reported = emission.clone().filter(|_| emission_shader.is_none()).map(|emission| {
-        let same = before.filter(|emitter| emitter.gives_off(&emission, coverage.as_ref()));
-        same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
-    });
+    let before = before.map_or(&[][..], |before| &before.emitters);
+    let emitter = |emission: Emission, coverage: Option<&Coverage>| {
+        let same = before.iter().find(|emitter| emitter.gives_off(&emission, coverage));
+        same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.cloned())))
+    };
     let is_queried = emission_shader.is_some();
+    let mut emitters: Vec<_> = emission
+        .clone()
+        .filter(|_| !is_queried)
+        .map(|emission| emitter(emission, coverage.as_ref()))
+        .into_iter()
+        .collect();
     // Cones carry the kind of the ray, too.
     let reads_kinds = matches!(material.surface, Surface::Shader(_) | Surface::Unlit { .. });
     let shader = materials::shader(from, material, shaders, force_diffuse, emission, coverage);
-    let emitter = reported.or_else(|| is_queried.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
+    if is_queried {
+        emitters = match shader.even_emission() {
+            Some(sides) => sides.map(|factor| emitter(Emission::constant(factor), None)).into(),
+            None => vec![Arc::new(Emitter::by_shader(shader.clone()))],
+        };
+    }
     MaterialEntry {
         is_opaque: shader.is_opaque(),
         is_solid: shader.is_solid(),
@@ -205,7 +222,7 @@ fn entry(
         is_clear: shader.is_clear(),
         has_holes: shader.has_holes(),
         reads_widths: reads_kinds || materials::textures_of(material).next().is_some(),
-        emitter,
+        emitters,
         from_table,
         shader,
     }

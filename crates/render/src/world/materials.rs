@@ -62,26 +62,26 @@ fn surface(from: Reading, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
             Arc::new(shading::rough_matte(color(from, base_color), roughness.clamp(0.0, 1.0)))
         }
         Surface::Metal { eta, k, roughness } => {
-            let eta = Vec3::from(*eta).max(Vec3::splat(1e-3));
-            Arc::new(shading::metal(eta, Vec3::from(*k).max(Vec3::ZERO), roughness.clamp(0.0, 1.0)))
+            let (eta, k) = from.map.metal(Vec3::from(*eta).max(Vec3::splat(1e-3)), Vec3::from(*k));
+            Arc::new(shading::metal(eta.max(Vec3::splat(1e-3)), k.max(Vec3::ZERO), roughness.clamp(0.0, 1.0)))
         }
         Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin, interior } => {
-            let (ior, tints) = (index(*ior), [reflectance, transmittance].map(|tint| Vec3::from(*tint)));
+            let (ior, tints) = (index(*ior), [reflectance, transmittance].map(|tint| from.color(*tint)));
             let glass = shading::RoughGlass::new(ior, roughness.clamp(0.0, 1.0), tints, *thin);
-            Arc::new(glass.with_inside(Vec3::from(interior.absorption()), interior.spread(ior)))
+            Arc::new(glass.with_inside(from.absorption(interior), interior.spread(ior)))
         }
         Surface::Mirror { reflectance } => {
             Arc::new(shading::Mirror { reflectance: color(from, reflectance) })
         }
         Surface::Dielectric { ior, reflectance, transmittance, interior } => Arc::new(shading::Dielectric {
             ior: index(*ior),
-            reflectance: Vec3::from(*reflectance),
-            transmittance: Vec3::from(*transmittance),
-            absorption: Vec3::from(interior.absorption()),
+            reflectance: from.color(*reflectance),
+            transmittance: from.color(*transmittance),
+            absorption: from.absorption(interior),
             spread: interior.spread(index(*ior)),
         }),
         Surface::ShadowCatcher { albedo, radiance } => {
-            Arc::new(shading::ShadowCatcher { albedo: Vec3::from(*albedo), radiance: Vec3::from(*radiance) })
+            Arc::new(shading::ShadowCatcher { albedo: from.color(*albedo), radiance: from.color(*radiance) })
         }
         Surface::Unlit { color: visible } => Arc::new(shading::Unlit { color: color(from, visible) }),
         Surface::Shader(number) => shaders.surfaces[*number as usize].clone(),
@@ -130,10 +130,12 @@ fn layer_textures(
             .map(|channel| (channel, from.iridescence.least_thickness)),
         translucence: channel(maps.diffuse_transmission, 3),
         beyond: sampler(maps.diffuse_transmission_color),
+        map: reading.map,
     }))
 }
 
 fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::MetallicRoughness {
+    let textures = &from.layer_textures;
     let plain = Bsdf::new(Vec3::ONE, from.metallic, from.roughness, ior);
     let specular = from.specular.clamp(0.0, 1.0);
     let specular_base = (plain.f0 * Vec3::from(from.specular_color)).max(Vec3::ZERO);
@@ -151,11 +153,11 @@ fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::Metalli
             scale: map.scale,
         }),
         model: Bsdf {
-            f0: specular_base.min(Vec3::ONE) * specular,
+            f0: reading.map.of(specular_base).min(Vec3::ONE) * specular,
             f90: specular,
             coat: from.clearcoat.clamp(0.0, 1.0),
             coat_alpha: from.clearcoat_roughness * from.clearcoat_roughness,
-            sheen: Vec3::from(from.sheen_color).clamp(Vec3::ZERO, Vec3::ONE),
+            sheen: reading.layer(from.sheen_color, textures.sheen_color),
             sheen_roughness: from.sheen_roughness.clamp(0.0, 1.0),
             transmission: from.transmission.clamp(0.0, 1.0),
             thin: from.thin,
@@ -166,9 +168,9 @@ fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::Metalli
             },
             spread: from.interior.spread(ior),
             translucence: from.diffuse_transmission.factor.clamp(0.0, 1.0),
-            beyond: Vec3::from(from.diffuse_transmission.color).clamp(Vec3::ZERO, Vec3::ONE),
+            beyond: reading.layer(from.diffuse_transmission.color, textures.diffuse_transmission_color),
             subsurface: from.subsurface.factor.clamp(0.0, 1.0),
-            radius: Vec3::from(from.subsurface.radius),
+            radius: reading.color(from.subsurface.radius),
             scattering: from.subsurface.anisotropy,
             ..plain
         },
@@ -177,7 +179,7 @@ fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::Metalli
             rotation: from.anisotropy.rotation,
             texture: from.anisotropy.texture.as_ref().map(|t| reading.sampler(t, Weigh::Alike)),
         },
-        absorption: Vec3::from(from.interior.absorption()),
+        absorption: reading.absorption(&from.interior),
         layers: layer_textures(reading, from, specular_base),
     }
 }
@@ -186,14 +188,21 @@ fn color(from: Reading, color: &Color) -> shading::TexturedColor {
     shading::TexturedColor {
         factor: Vec3::from(color.factor),
         texture: color.texture.as_ref().map(|texture| from.colors(texture)),
+        map: from.map,
     }
 }
 
 /// The emission of a material, if any.
 pub(super) fn emission(from: Reading, material: &Material) -> Option<shading::Emission> {
-    material.emits().then(|| shading::Emission {
-        factor: Vec3::from(material.emission).max(Vec3::ZERO),
-        texture: material.emission_texture.as_ref().map(|texture| from.sampler(texture, Weigh::Alike)),
+    material.emits().then(|| {
+        let factor = Vec3::from(material.emission).max(Vec3::ZERO);
+        match &material.emission_texture {
+            Some(texture) => {
+                let texture = Some(from.sampler(texture, Weigh::Alike));
+                shading::Emission { factor, texture, map: from.map }
+            }
+            None => shading::Emission::constant(from.map.of(factor)),
+        }
     })
 }
 

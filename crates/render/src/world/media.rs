@@ -9,8 +9,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_scene::medium::{DensityGrid, Extent, Phase as ScenePhase};
 use gnurt_scene::{Material, Medium, Scene, Surface};
-use gnurt_shading::Interior;
 use gnurt_shading::phase::Phase;
+use gnurt_shading::{ColorMap, Interior};
 
 use super::grid::Grid;
 use super::table::ShaderTable;
@@ -70,10 +70,10 @@ impl Inside {
 
 impl Media {
     /// Those of a scene; grids that are there are kept.
-    pub(super) fn new(scene: &Scene, shaders: &ShaderTable, before: &Self) -> Self {
+    pub(super) fn new(scene: &Scene, shaders: &ShaderTable, before: &Self, map: ColorMap) -> Self {
         let mut media = Self::default();
         for medium in scene.media() {
-            media.list.push(entry(medium, before));
+            media.list.push(entry(medium, before, map));
         }
         let numbers = 1..=u16::MAX;
         for (number, medium) in numbers.clone().zip(scene.media()) {
@@ -92,10 +92,13 @@ impl Media {
             return Self::default();
         }
         for material in scene.materials() {
+            // Shaders answer in the working space.
+            let is_shader = matches!(material.surface, Surface::Shader(_));
+            let own_map = if is_shader { ColorMap::default() } else { map };
             let number = match (material.medium, interior_of(material, shaders)) {
                 (Some(id), _) => numbers.clone().nth(id.index()).unwrap_or(0),
                 (None, Some(interior)) if media.list.len() < usize::from(u16::MAX) => {
-                    media.list.push(entry(&interior, before));
+                    media.list.push(entry(&interior, before, own_map));
                     media.list.len() as u16
                 }
                 _ => 0,
@@ -154,9 +157,9 @@ fn interior_of(material: &Material, shaders: &ShaderTable) -> Option<Medium> {
     })
 }
 
-fn entry(medium: &Medium, before: &Media) -> MediumEntry {
+fn entry(medium: &Medium, before: &Media, map: ColorMap) -> MediumEntry {
     let [absorption, scattering, emission] =
-        [medium.absorption, medium.scattering, medium.emission].map(Vec3::from);
+        [medium.absorption, medium.scattering, medium.emission].map(|color| map.of(Vec3::from(color)));
     let phase = medium.phase;
     let same = |grid: &Arc<DensityGrid>| {
         let mut known = before.list.iter().filter_map(|entry| entry.grid.as_ref());

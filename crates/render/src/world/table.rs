@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use gnurt_accel::Memory;
+use gnurt_image::WorkingSpace;
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader};
 use gnurt_simd::Level;
 
@@ -31,6 +32,8 @@ pub struct CommitOptions {
     pub level: Level,
     /// Whether trees are to be fast or small; pictures are the same.
     pub memory: Memory,
+    /// The space in which light is computed; scenes are described in Rec. 709.
+    pub space: WorkingSpace,
 }
 
 /// The work of a commit.

@@ -7,10 +7,13 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
+use glam::Vec3;
 use gnurt_image::{Texels, Weigh};
+use gnurt_scene::detail::Interior;
 use gnurt_scene::material::TextureRef;
 use gnurt_scene::texture::{Filter, TexcoordSet, Wrap};
 use gnurt_scene::{Scene, TextureId};
+use gnurt_shading::ColorMap;
 use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::{TextureSampler, Wrap as SamplerWrap};
 
@@ -31,9 +34,28 @@ pub(super) struct Reading<'a> {
     pub(super) textures: &'a Textures,
     /// The texture of the material's opacity: its colours are weighted by it.
     pub(super) opacity_texture: Option<TextureId>,
+    /// To the working space.
+    pub(super) map: ColorMap,
 }
 
 impl Reading<'_> {
+    /// A colour in the working space.
+    pub(super) fn color(&self, color: [f32; 3]) -> Vec3 {
+        self.map.of(Vec3::from(color))
+    }
+
+    /// The colour of a layer; one that a texture is multiplied to stays in the space of the texture.
+    pub(super) fn layer(&self, color: [f32; 3], texture: Option<TextureRef>) -> Vec3 {
+        let color = Vec3::from(color).clamp(Vec3::ZERO, Vec3::ONE);
+        if texture.is_some() { color } else { self.map.of(color) }
+    }
+
+    /// The absorption of an interior: its colour is converted, as the colour of light that went through.
+    pub(super) fn absorption(&self, interior: &Interior) -> Vec3 {
+        let attenuation_color = self.color(interior.attenuation_color).to_array();
+        Interior { attenuation_color, ..*interior }.absorption().into()
+    }
+
     /// A reader under the material's transform, filtered over the ray's footprint.
     pub(super) fn sampler(&self, reference: &TextureRef, weigh: Weigh) -> TextureSampler {
         let sharp = sharp(self.scene, reference);

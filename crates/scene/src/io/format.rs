@@ -50,6 +50,8 @@ pub struct SceneWriter {
     pub has_materials: bool,
     /// Whether the format has animations.
     pub has_animations: bool,
+    /// Whether the format has curves and spheres.
+    pub has_strands: bool,
     /// Whether it has all of a scene: the list of formats calls it *partly* written otherwise.
     pub is_whole: bool,
 }
@@ -202,6 +204,9 @@ impl Formats {
         let clips = scene.animation().filter(|_| !writer.has_animations).map_or(0, |all| all.clips.len());
         warnings.note_many(Oddity::NotShown, clips as u64, path, None, "animation, written as it is shown");
         losses::of_scene(scene, path, &mut warnings);
+        if !writer.has_strands {
+            losses::of_primitives(scene, path, &mut warnings);
+        }
         if writer.has_materials {
             losses::of_materials(scene, path, &mut warnings);
         }

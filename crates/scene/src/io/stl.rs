@@ -39,6 +39,7 @@ pub(super) const FORMAT: Format = Format {
         companions: |_, _| Vec::new(),
         has_materials: false,
         has_animations: false,
+        has_strands: false,
         is_whole: true,
     }),
 };

@@ -4,5 +4,5 @@
 //! Tests: `tests/save.rs`.
 
 pub use super::save::files::{check_writable, leave_out, write};
-pub use super::save::losses::{of_layer_textures, of_primitives, of_texcoords};
+pub use super::save::losses::{of_layer_textures, of_texcoords};
 pub use super::save::png::{encode as encode_texture, measures};

@@ -88,6 +88,16 @@ impl<R: Real> Energy<R> {
         )
     }
 
+    /// The same over the mean reflectance: a factor of light that met one microfacet.
+    #[inline(always)]
+    pub(super) fn more_per_bounce(self, average: Vector<R>) -> Vector<R> {
+        let white = self.average[0] + self.average[1];
+        average.map(
+            #[inline(always)]
+            |a| a * white / (a * white.rest()).rest(),
+        )
+    }
+
     /// The factor of the losses of both directions and one cosine in the lobe of multiple scattering.
     #[inline(always)]
     pub(super) fn more_scale(self) -> R {

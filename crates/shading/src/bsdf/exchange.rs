@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use super::lobe::{Kind, Lobe};
+use super::lobe::{Kind, Lobe, rare};
 
 /// The difference, as factors.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +32,7 @@ impl Exchange {
 
     /// Whether a lobe differs at all, or is not reciprocal.
     pub(super) fn applies_to(&self, lobe: &Lobe) -> bool {
-        !lobe.is_black() && (self.tilt.is_some() || self.through != Vec3::ONE || lobe.kind == Kind::Fibres)
+        let one_way = lobe.kind == Kind::Fibres || lobe.rare() & rare::SCALED != 0;
+        !lobe.is_black() && (self.tilt.is_some() || self.through != Vec3::ONE || one_way)
     }
 }

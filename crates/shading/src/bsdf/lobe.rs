@@ -106,6 +106,19 @@ impl Kind {
     }
 }
 
+/// The fate of light that leaves its first microfacet and meets others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BetweenFacets {
+    /// It leaves to all sides, in a lobe of its own, as \[KC17\] has it. Reciprocal.
+    #[default]
+    Spread,
+    /// It leaves as light that met one facet, after \[Tur19\] with the colour of \[KC17\]: the lobe is scaled so that white facets keep
+    /// all light that comes from one direction. Values are not reciprocal.
+    Scaled,
+    /// It is lost.
+    Lost,
+}
+
 /// Rare features of lobes, as bits: lobes without them pay nothing.
 pub(super) mod rare {
     /// Microfacets that are wider along one direction than across it.
@@ -116,6 +129,8 @@ pub(super) mod rare {
     pub(crate) const SPREAD: u32 = 4;
     /// Reflectances that rise by another power than Schlick's.
     pub(crate) const POWER: u32 = 8;
+    /// Microfacets whose light of further bounces is in their own lobe, or lost.
+    pub(crate) const SCALED: u32 = 16;
 }
 
 /// The power by which Schlick's reflectances rise.
@@ -160,7 +175,7 @@ pub struct Lobe {
     pub film: Film,
     /// Dispersion of glass: its index for blue-green light (486.1 nm) minus that for red (656.3 nm); 0 =
     /// none. Glass under Schlick's reflectances: the exponent of their rise, for reflection; less than 0 for
-    /// transmission.
+    /// transmission. Microfacets that reflect: less than 0 if light of further bounces is in the lobe, less than -1 if it is lost.
     pub spread: f32,
     /// The fraction of its scattered light that is missing below it.
     pub(super) cover: f32,
@@ -354,6 +369,20 @@ impl Lobe {
         if self.kind == Kind::Microfacets && is_other { Self { eta: -power, ..self } } else { self }
     }
 
+    /// The same with light of further bounces as `light` has it. Lobes other than microfacets that reflect are unchanged.
+    #[must_use]
+    pub fn between_facets(self, light: BetweenFacets) -> Self {
+        if !matches!(self.kind, Kind::Microfacets | Kind::Metal) {
+            return self;
+        }
+        let spread = match light {
+            BetweenFacets::Spread => 0.0,
+            BetweenFacets::Scaled => -1.0,
+            BetweenFacets::Lost => -2.0,
+        };
+        Self { spread, ..self }
+    }
+
     /// The same under a film. Lobes without microfacets and other than glass are unchanged.
     #[must_use]
     pub fn filmed(self, film: Film) -> Self {
@@ -407,7 +436,9 @@ impl Lobe {
         let brushed = bit(self.across > 0.0, rare::ANISOTROPY);
         let risen = self.kind == Kind::Microfacets && self.eta < 0.0 || self.kind == Kind::SchlickGlass;
         let film = bit(self.film.share > 0.0, rare::FILM);
-        brushed | bit(risen, rare::POWER) | film | bit(self.is_dispersed(), rare::SPREAD)
+        let scaled = matches!(self.kind, Kind::Microfacets | Kind::Metal) && self.spread < 0.0;
+        let light = bit(self.is_dispersed(), rare::SPREAD) | bit(scaled, rare::SCALED);
+        brushed | bit(risen, rare::POWER) | film | light
     }
 
     /// Its effect on lobes below: dimming per scattered light, and constant dimming.

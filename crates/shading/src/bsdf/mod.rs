@@ -18,6 +18,8 @@
 mod anisotropy;
 mod batch;
 mod beckmann;
+#[cfg(test)]
+mod between_facets_tests;
 mod cached_lobes;
 mod carrying;
 #[cfg(test)]
@@ -63,7 +65,7 @@ pub use cached_lobes::CachedLobes;
 pub use carrying::Carrying;
 pub use film::Film;
 pub use lists::{Ends, Lists};
-pub use lobe::{Kind, Lobe};
+pub use lobe::{BetweenFacets, Kind, Lobe};
 pub use lobes::{Lobes, MOST};
 pub use medium::{Medium, left_after};
 pub use prepared::{Prepared, Sampled};

@@ -345,6 +345,9 @@ fn left_on_average<R: Real>(above: &[Option<PreparedLobe<R>>], lobe: &PreparedLo
             if top.rare & rare::FILM != 0 {
                 by_table = by_table & !top.rarities.film[0].above_all(0.0);
             }
+            if top.rare & rare::SCALED != 0 {
+                by_table = by_table & !top.is_scaled();
+            }
             let left = top.sent_back(one, top.slopes().energy().average).rest();
             average = Vector::pick(by_table, left, average);
             rest &= !R::bits(by_table);

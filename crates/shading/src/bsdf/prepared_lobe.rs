@@ -27,7 +27,7 @@ pub(super) struct PreparedLobe<R> {
     pub(super) a: Vector<R>,
     pub(super) b: Vector<R>,
     pub(super) c: Vector<R>,
-    /// Colour of multiple scattering between microfacets.
+    /// Colour of multiple scattering between microfacets; where it is in their own lobe, the scale of that.
     pub(super) more: Vector<R>,
     pub(super) alpha: R,
     pub(super) eta: R,

@@ -5,7 +5,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::exchange::Exchange;
-use super::lobe::Kind;
+use super::lobe::{Kind, rare};
 use super::lobes::MOST;
 use super::prepared_lobe::PreparedLobe;
 use super::prepared_values::GRAZING;
@@ -66,6 +66,11 @@ impl<R: Real> Sum<R> {
             chosen = own.above(zero);
         }
         let (mut light, density, weight) = self.of(k, lobe, way, i);
+        if lobe.rare & rare::SCALED != 0 {
+            let own = R::pick(self.above, i, -i);
+            let cos = R::pick(own.above_all(0.0), i.size(), i.all(GRAZING));
+            light = light * lobe.rescaled(way, cos);
+        }
         if lobe.has(Kind::Fibres) {
             let back = lobe.fibres_from(self.above & lobe.is(Kind::Fibres), way, i);
             light = Vector::pick(lobe.is(Kind::Fibres), Vector::grey(back), light);

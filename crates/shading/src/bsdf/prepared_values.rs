@@ -90,6 +90,45 @@ impl<R: Real> PreparedLobe<R> {
         self.eta.all(0.0).above(self.eta) & self.is(Kind::Microfacets)
     }
 
+    /// Reflectance of microfacets, averaged over a cosine-weighted hemisphere.
+    #[inline(always)]
+    fn average(&self) -> Vector<R> {
+        let average = Vector::pick(self.is(Kind::Metal), self.c, self.mirrored_on_average());
+        if self.rare & rare::FILM == 0 {
+            return average;
+        }
+        Vector::pick(self.rarities.film[0].above_all(0.0), self.c, average)
+    }
+
+    /// Microfacets whose light of further bounces is in their lobe, or lost.
+    #[inline(always)]
+    pub(super) fn is_scaled(&self) -> R::Mask {
+        let none = self.cos.all(0.0);
+        none.above(self.rarities.spread) & (self.is(Kind::Microfacets) | self.is(Kind::Metal))
+    }
+
+    /// The factor of those for a view with this albedo of white microfacets.
+    #[inline(always)]
+    fn scale(&self, split: [R; 2]) -> Vector<R> {
+        let one = self.cos.all(1.0);
+        let again = lost(split) / (split[0] + split[1]).or_more(one.all(1e-6));
+        let kept = self.rarities.spread.above_all(-1.5);
+        self.slopes().energy().more_per_bounce(self.average()) * R::pick(kept, again, one.all(0.0))
+            + Vector::grey(one)
+    }
+
+    /// The factor of values for a path that carries light and leaves to `wi` at the cosine `cos` > 0: the scale is that of the view.
+    #[inline(always)]
+    pub(super) fn rescaled(&self, wi: Vector<R>, cos: R) -> Vector<R> {
+        let one = Vector::grey(self.cos.all(1.0));
+        let other = self.scale(self.split(Some(wi), cos)).with(
+            self.more,
+            #[inline(always)]
+            |there, here| there / here,
+        );
+        Vector::pick(self.is_scaled(), other, one)
+    }
+
     /// Approximate albedo of single scattering at the cosine `cos`, if white light loses `lost`; exact
     /// without a film, and for Schlick's reflectances.
     #[inline(always)]
@@ -152,18 +191,23 @@ impl<R: Real> PreparedLobe<R> {
             let energy = slopes.energy();
             let split = slopes.split(Some(self.wo), self.cos);
             let lost_here = lost(split);
-            let mut average = Vector::pick(metal, self.c, self.mirrored_on_average());
-            if self.rare & rare::FILM != 0 {
-                average = Vector::pick(self.rarities.film[0].above_all(0.0), self.c, average);
+            let average = self.average();
+            let mut more = energy.more(average);
+            let mut once = Vector::pick(metal, self.c * lost_here.rest(), self.once(self.cos, split));
+            let mut further = more * lost_here;
+            let mut left = lost_here * energy.more_scale();
+            if self.rare & rare::SCALED != 0 {
+                let (scaled, scale) = (self.is_scaled(), self.scale(split));
+                more = Vector::pick(scaled, scale, more);
+                once = Vector::pick(scaled, once * scale, once);
+                further = Vector::pick(scaled, Vector::grey(zero), further);
+                left = R::pick(scaled, zero, left);
             }
-            let more = energy.more(average);
-            let once = Vector::pick(metal, self.c * lost_here.rest(), self.once(self.cos, split));
-            let further = more * lost_here;
             let (by_microfacets, by_cosine) = (once.max_element(), further.max_element());
             let both = (by_microfacets + by_cosine).or_more(one.all(f32::MIN_POSITIVE));
             self.share_of_more = R::pick(is, by_cosine / both, self.share_of_more);
             self.more = Vector::pick(is, more, self.more);
-            self.lost = R::pick(is, lost_here * energy.more_scale(), self.lost);
+            self.lost = R::pick(is, left, self.lost);
             self.hidden = R::pick(is, slopes.lambda(self.wo, self.cos), self.hidden);
             albedo = Vector::pick(is, once + further, albedo);
         }
@@ -236,7 +280,11 @@ impl<R: Real> PreparedLobe<R> {
     /// microfacets there.
     #[inline(always)]
     pub(super) fn sent_back(&self, cos: R, split: [R; 2]) -> Vector<R> {
-        let microfacets = self.once(cos, split) + self.more * lost(split);
+        let mut microfacets = self.once(cos, split) + self.more * lost(split);
+        if self.rare & rare::SCALED != 0 {
+            let scaled = self.once(cos, split) * self.scale(split);
+            microfacets = Vector::pick(self.is_scaled(), scaled, microfacets);
+        }
         let is_microfacets = self.is(Kind::Microfacets);
         let mut back = Vector::pick(is_microfacets, microfacets, self.c);
         if self.has(Kind::Sheen) {
@@ -368,6 +416,9 @@ impl<R: Real> PreparedLobe<R> {
                 let further = self.more * (self.lost * lost(split) * i_front);
                 let mixed = self.share_of_more.rest() * density / (self.hidden + one)
                     + self.share_of_more * by_cosine;
+                if self.rare & rare::SCALED != 0 {
+                    reflectance = Vector::pick(self.is_scaled(), reflectance * self.more, reflectance);
+                }
                 value = Vector::pick(is, reflectance * lobe + further, value);
                 pdf = R::pick(is, mixed, pdf);
             }

@@ -86,9 +86,10 @@ impl<R: Real> Microfacets<R> for Slopes<R> {
             return lost(self.split(Some(w), cos));
         }
         let alpha = self.ggx.alpha();
-        let plain = cos.each(
+        let [plain] = each_albedos(
+            [alpha, eta, cos],
             #[inline(always)]
-            |i| Albedos::of(alpha.lane(i), eta.lane(i)).albedo(cos.lane(i)),
+            |albedos, cos| [albedos.albedo(cos)],
         );
         self.retained_by_glass(w, cos, eta, plain).rest()
     }
@@ -370,9 +371,11 @@ impl Albedos {
         self.mix(|row| row.albedo[column].lerp(row.albedo[column + 1], t))
     }
 
-    fn mirrored(&self, cos: f32) -> f32 {
+    fn mirrored_and_albedo(&self, cos: f32) -> [f32; 2] {
         let (column, t) = cell(cos, COSINES);
-        self.mix(|row| row.mirrored[column].lerp(row.mirrored[column + 1], t))
+        let mixed =
+            |of: fn(&Row) -> &[f32; COSINES]| self.mix(|row| of(row)[column].lerp(of(row)[column + 1], t));
+        [mixed(|row| &row.mirrored), mixed(|row| &row.albedo)]
     }
 
     fn average(&self) -> f32 {
@@ -383,11 +386,31 @@ impl Albedos {
 /// Share of light at the cosine `cos` > 0 that even microfacets of glass mirror in one bounce, and that they lose.
 #[inline(always)]
 pub(super) fn mirrored_and_lost<R: Real>(alpha: R, eta: R, cos: R) -> [R; 2] {
+    each_albedos(
+        [alpha, eta, cos],
+        #[inline(always)]
+        |albedos, cos| {
+            let [mirrored, albedo] = albedos.mirrored_and_albedo(cos);
+            [mirrored, 1.0 - albedo]
+        },
+    )
+}
+
+/// Numbers of the albedos of each point at its cosine. Points side by side are often of one material: its position in the table is
+/// computed once.
+#[inline(always)]
+fn each_albedos<R: Real, const N: usize>(
+    [alpha, eta, cos]: [R; 3],
+    f: impl Fn(&Albedos, f32) -> [f32; N],
+) -> [R; N] {
+    let mut last: Option<([f32; 2], Albedos)> = None;
     cos.each_of(
         #[inline(always)]
         |i| {
-            let (albedos, cos) = (Albedos::of(alpha.lane(i), eta.lane(i)), cos.lane(i));
-            [albedos.mirrored(cos), 1.0 - albedos.albedo(cos)]
+            let at = [alpha.lane(i), eta.lane(i)];
+            let known = last.take().filter(|(place, _)| *place == at);
+            let (_, albedos) = last.insert(known.unwrap_or_else(|| (at, Albedos::of(at[0], at[1]))));
+            f(albedos, cos.lane(i))
         },
     )
 }

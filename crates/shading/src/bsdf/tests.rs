@@ -47,7 +47,6 @@ pub(super) fn models() -> Vec<(String, Lobes)> {
         let glass = Principled { transmission: 0.7, ..plain };
         add(format!("glassy {metallic} {roughness}"), glass.into());
     }
-    let white_metal = |alpha| Lobe::metal(alpha, Vec3::splat(0.1), Vec3::splat(20.0));
     add("metal 0.3".into(), white_metal(0.3).into());
     add("sheen".into(), Lobe::sheen(white, 0.5).into());
     for (roughness, alpha) in [(0.3, 0.2), (0.8, 0.8)] {
@@ -60,11 +59,16 @@ pub(super) fn models() -> Vec<(String, Lobes)> {
     models
 }
 
+fn white_metal(alpha: f32) -> Lobe {
+    Lobe::metal(alpha, Vec3::splat(0.1), Vec3::splat(20.0))
+}
+
 /// Rare ones, white where a colour is free.
 fn rare_models() -> Vec<(&'static str, Lobes)> {
     let (white, slant) = (Vec3::ONE, Vec3::new(0.8, 0.6, 0.3).normalize());
     let film = Film { share: 1.0, ior: 1.33, thickness: 350.0 };
     let plain = Principled::new(white, 0.0, 0.5, 1.5);
+    let scaled = |alpha| Lobe::microfacets(alpha, white, white).between_facets(BetweenFacets::Scaled);
     let rough_glass = |alpha, eta| Lobe::rough_glass(alpha, eta, white, white, false);
     let schlick = |alpha, eta, reflectances, power| {
         let part = |through| Lobe::schlick_glass(alpha, eta, reflectances, power, through);
@@ -85,6 +89,14 @@ fn rare_models() -> Vec<(&'static str, Lobes)> {
         ("filmed pane", Lobe::rough_glass(0.3, 0.66, white, white, true).filmed(film).into()),
         ("dispersed glass in", rough_glass(0.2, 0.6).dispersed(0.2).into()),
         ("dispersed glass out", rough_glass(0.4, 1.6).brushed(slant, 0.2).filmed(film).dispersed(0.2).into()),
+        ("scaled conductor", scaled(0.8).into()),
+        (
+            "scaled brushed metal",
+            white_metal(0.4).brushed(slant, 0.9).between_facets(BetweenFacets::Scaled).into(),
+        ),
+        ("scaled facets and body", Lobes::from(scaled(1.0)).mixed(Lobe::lambert(white), 0.5)),
+        ("cloth scaled", Lobes::from(Lobe::sheen(white, 0.3)).over(scaled(0.6))),
+        ("dark facets", Lobe::microfacets(0.7, white, white).between_facets(BetweenFacets::Lost).into()),
         ("dark phong", Lobe::phong(60.0).into()),
         ("dark ward", Lobe::ward(0.5).brushed(slant, 0.2).into()),
         ("dim beckmann", Lobe::beckmann(0.3, 0.0, white, white).into()),
@@ -360,8 +372,9 @@ fn reflectances_rise_by_their_power() {
 
 #[test]
 fn light_may_go_both_ways() {
-    // Fibres' model has its own numbers for each view.
-    for (name, model) in models().into_iter().filter(|(name, _)| name != "dark fibres") {
+    // Models of fibres and of scaled microfacets have their own numbers for each view.
+    let one_way = |name: &str| name == "dark fibres" || name.contains("scaled");
+    for (name, model) in models().into_iter().filter(|(name, _)| !one_way(name)) {
         let bsdf = around_z(model.clone());
         let behind = around_z(turned_over(&model));
         let etas = bsdf.etas();

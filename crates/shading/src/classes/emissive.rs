@@ -24,7 +24,8 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
         Parameter::floats("color", &[0.0; 3]),
     ],
     make: |values| {
-        let emission = Emission { factor: values.vec3(0), texture: values.texture(1).as_deref().cloned() };
+        let emission =
+            Emission { texture: values.texture(1).as_deref().cloned(), ..Emission::constant(values.vec3(0)) };
         let surface = Arc::new(Matte { albedo: TexturedColor::constant(values.vec3(2)) });
         Shader::Surface(Arc::new(Material {
             surface,

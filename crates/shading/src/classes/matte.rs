@@ -22,5 +22,8 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
 
 /// A colour times a texture, from two parameters.
 pub(super) fn textured(values: &Values, color: usize, texture: usize) -> TexturedColor {
-    TexturedColor { factor: values.vec3(color), texture: values.texture(texture).as_deref().cloned() }
+    TexturedColor {
+        texture: values.texture(texture).as_deref().cloned(),
+        ..TexturedColor::constant(values.vec3(color))
+    }
 }

@@ -52,7 +52,7 @@ impl Emitter {
     /// Emits by `shader`, on both sides.
     #[must_use]
     pub fn by_shader(shader: Arc<dyn SurfaceShader>) -> Self {
-        let emission = Emission { factor: Vec3::ZERO, texture: None };
+        let emission = Emission::constant(Vec3::ZERO);
         Self { emission, coverage: None, shader: Some(shader), brightness: 0.0 }
     }
 
@@ -445,7 +445,7 @@ mod tests {
             emitter: 0,
             brightness: 2.0,
         });
-        let emission = Emission { factor: Vec3::new(1.0, 2.0, 3.0), texture: None };
+        let emission = Emission::constant(Vec3::new(1.0, 2.0, 3.0));
         TriangleLights::new(triangles.into(), vec![Arc::new(Emitter::new(emission, None))], None)
             .expect("it shines")
     }
@@ -489,7 +489,7 @@ mod tests {
 
     fn light_of(corners: &[[Vec3; 3]]) -> Option<TriangleLights> {
         const BRIGHTNESS: [f32; 4] = [1.0, 5.0, 40.0, 2.0];
-        let emit = |factor| Arc::new(Emitter::new(Emission { factor, texture: None }, None));
+        let emit = |factor| Arc::new(Emitter::new(Emission::constant(factor), None));
         let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveTriangle {
             p,
             is_turned: false,
@@ -539,7 +539,7 @@ mod tests {
 
     #[test]
     fn dark_or_flat_triangles_are_no_light() {
-        let emission = Emission { factor: Vec3::ONE, texture: None };
+        let emission = Emission::constant(Vec3::ONE);
         let emitter = Arc::new(Emitter::new(emission, None));
         let flat = EmissiveTriangle {
             p: [Vec3::ZERO, Vec3::X, Vec3::X * 2.0],
@@ -559,13 +559,13 @@ mod tests {
         let data = gnurt_image::TexelData::Float((0..64).map(texel).collect());
         let texels = Arc::new(gnurt_image::Texels { width: 8, height: 8, data });
         let texture = TextureSampler { linear: false, ..TextureSampler::new(texels) };
-        let emission = Emission { factor: Vec3::splat(3.0), texture: Some(texture) };
+        let emission = Emission { texture: Some(texture), ..Emission::constant(Vec3::splat(3.0)) };
         let emitter = Emitter::new(emission, None);
         let over = |u: [f32; 3]| emitter.mean_over(&[[u[0], 0.1], [u[1], 0.1], [u[2], 0.9]], [1.0; 3]);
         assert!((over([0.05, 0.45, 0.25]) - 6.0).abs() < 1e-5, "where it is bright");
         assert_eq!(over([0.55, 0.95, 0.75]), 3.0 * LEAST_SHARE, "where it is dark, it is not quite so");
         assert!((over([0.25, 0.75, 0.5]) - 3.0).abs() < 0.4, "half of it, by 25 places");
-        let faint = Emitter::new(Emission { factor: Vec3::ONE, texture: None }, None);
+        let faint = Emitter::new(Emission::constant(Vec3::ONE), None);
         assert!((faint.mean_over(&[[0.0; 2]; 3], [0.5; 3]) - 1.0).abs() < 1e-6, "no coverage, no opacity");
     }
 }

@@ -14,6 +14,7 @@ use gnurt_image::srgb::luminance;
 use rayon::prelude::*;
 
 use crate::batch::Vec3s;
+use crate::color_map::ColorMap;
 use crate::sampling::{Basis, GridDistribution, cosine_hemisphere};
 use crate::shader::{EnvironmentShader, LightBatch, LightShader};
 use crate::texture::{TextureSampler, Wrap};
@@ -53,6 +54,8 @@ impl LightShader for ConstantEnvironment {
 pub struct PictureEnvironment {
     texture: TextureSampler,
     radiance: Vec3,
+    /// From the product of both to the working space.
+    map: ColorMap,
     world_from_light: Mat3,
     /// Functions of the texture only.
     choices: Arc<Choices>,
@@ -83,14 +86,22 @@ impl PictureEnvironment {
             ..texture
         };
         let choices = Arc::new(choices(&texture, threads)?);
-        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, choices })
+        let map = ColorMap::default();
+        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, map, world_from_light, choices })
+    }
+
+    /// The same in a working space; picture and radiance are those of Rec. 709.
+    #[must_use]
+    pub fn mapped(self, map: ColorMap) -> Self {
+        Self { map, ..self }
     }
 
     /// The same picture with another radiance and rotation. `None` if all of it is black.
     #[must_use]
     pub fn again(&self, radiance: Vec3, world_from_light: Mat3) -> Option<Self> {
         let (texture, choices) = (self.texture.clone(), self.choices.clone());
-        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, choices })
+        let map = self.map;
+        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, map, world_from_light, choices })
     }
 
     /// Whether it shows the texels that `texture` does.
@@ -115,7 +126,7 @@ impl PictureEnvironment {
     pub(super) fn at(&self, world_dir: Vec3) -> Vec3 {
         let dir = self.world_from_light.transpose() * world_dir;
         let [r, g, b, _] = self.texture.sample(uv_of(dir));
-        self.radiance * Vec3::new(r, g, b).max(Vec3::ZERO)
+        self.map.of(self.radiance * Vec3::new(r, g, b).max(Vec3::ZERO))
     }
 
     /// Density per solid angle with which [`sample`](Self::sample) chooses a unit direction.

@@ -24,7 +24,7 @@ fn numbers(sample: u32) -> [f32; 3] {
 
 fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<TriangleLights>> {
     let emitter = |&x: &f32| {
-        let emission = Emission { factor: Vec3::new(x, 2.0 * x, 3.0 * x), texture: None };
+        let emission = Emission::constant(Vec3::new(x, 2.0 * x, 3.0 * x));
         Arc::new(Emitter::new(emission, None))
     };
     let emitters: Vec<_> = radiance.iter().map(emitter).collect();

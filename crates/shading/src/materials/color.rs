@@ -7,6 +7,7 @@ use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
 use crate::batch::SurfaceBatch;
+use crate::color_map::ColorMap;
 use crate::texture::TextureSampler;
 
 /// A linear colour over a surface.
@@ -16,13 +17,15 @@ pub struct TexturedColor {
     pub factor: Vec3,
     /// Multiplied to it.
     pub texture: Option<TextureSampler>,
+    /// From both, and the mesh's colours, to the working space.
+    pub map: ColorMap,
 }
 
 impl TexturedColor {
     /// The same everywhere.
     #[must_use]
     pub fn constant(factor: Vec3) -> Self {
-        Self { factor, texture: None }
+        Self { factor, texture: None, map: ColorMap::default() }
     }
 
     /// At lane `i` of a batch, times the mesh's own colour there.
@@ -32,7 +35,7 @@ impl TexturedColor {
             let [r, g, b, _] = texture.at_hit(hits, i);
             self.factor * Vec3::new(r, g, b)
         });
-        color * hits.color.get(i)
+        self.map.of(color * hits.color.get(i))
     }
 }
 
@@ -43,9 +46,17 @@ pub struct Emission {
     pub factor: Vec3,
     /// Multiplied to it.
     pub texture: Option<TextureSampler>,
+    /// From their product to the working space.
+    pub map: ColorMap,
 }
 
 impl Emission {
+    /// The same everywhere.
+    #[must_use]
+    pub fn constant(factor: Vec3) -> Self {
+        Self { factor, texture: None, map: ColorMap::default() }
+    }
+
     /// At texture coordinates of the mesh.
     #[must_use]
     pub fn at(&self, uv: [f32; 2]) -> Vec3 {
@@ -59,10 +70,10 @@ impl Emission {
     }
 
     fn times(&self, read: impl FnOnce(&TextureSampler) -> [f32; 4]) -> Vec3 {
-        self.texture.as_ref().map_or(self.factor, |texture| {
+        self.map.of(self.texture.as_ref().map_or(self.factor, |texture| {
             let [r, g, b, _] = read(texture);
             self.factor * Vec3::new(r, g, b)
-        })
+        }))
     }
 
     /// Mean luminance over the whole texture, for estimates of power. Above zero if any texel emits.

@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use crate::batch::SurfaceBatch;
 use crate::bsdf::Principled;
+use crate::color_map::ColorMap;
 use crate::materials::normal_map::NormalMap;
 use crate::texture::TextureSampler;
 
@@ -54,6 +55,9 @@ pub struct LayerTextures {
     pub translucence: Option<Channel>,
     /// Albedo of that.
     pub beyond: Option<TextureSampler>,
+    /// To the working space: of the products of colours and their textures, and of `specular_base`. Colours without
+    /// textures are in the working space.
+    pub map: ColorMap,
 }
 
 impl LayerTextures {
@@ -65,19 +69,21 @@ impl LayerTextures {
     /// The model at lane `i`, from that without textures.
     pub(super) fn apply(&self, hits: &SurfaceBatch, i: usize, model: &mut Principled) {
         let at = |of: &Option<Channel>| Channel::at_hit(of.as_ref(), hits, i);
-        let color = |of: &Option<TextureSampler>| {
-            of.as_ref().map_or(Vec3::ONE, |texture| {
-                let [r, g, b, _] = texture.at_hit(hits, i);
-                Vec3::new(r, g, b).max(Vec3::ZERO)
-            })
+        let color = |of: &TextureSampler| {
+            let [r, g, b, _] = of.at_hit(hits, i);
+            Vec3::new(r, g, b).max(Vec3::ZERO)
+        };
+        let times = |factor: Vec3, of: &Option<TextureSampler>| {
+            of.as_ref().map_or(factor, |texture| self.map.of(factor * color(texture)))
         };
         if self.specular.is_some() || self.specular_color.is_some() {
             model.f90 *= at(&self.specular);
-            model.f0 = (self.specular_base * color(&self.specular_color)).min(Vec3::ONE) * model.f90;
+            let texel = self.specular_color.as_ref().map_or(Vec3::ONE, color);
+            model.f0 = self.map.of(self.specular_base * texel).min(Vec3::ONE) * model.f90;
         }
         model.coat *= at(&self.coat);
         model.coat_alpha *= at(&self.coat_roughness).powi(2);
-        model.sheen = (model.sheen * color(&self.sheen_color)).min(Vec3::ONE);
+        model.sheen = times(model.sheen, &self.sheen_color).min(Vec3::ONE);
         model.sheen_roughness *= at(&self.sheen_roughness);
         model.transmission *= at(&self.transmission);
         model.film.share *= at(&self.film);
@@ -86,6 +92,6 @@ impl LayerTextures {
             model.film.thickness = least + (model.film.thickness - least) * share;
         }
         model.translucence *= at(&self.translucence);
-        model.beyond = (model.beyond * color(&self.beyond)).min(Vec3::ONE);
+        model.beyond = times(model.beyond, &self.beyond).min(Vec3::ONE);
     }
 }

@@ -2,7 +2,7 @@
 //! The rendering of each closure.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{ClosureBatch, Film, Kind, Scattering};
+use gnurt_shading::bsdf::{BetweenFacets, ClosureBatch, Film, Kind, Scattering};
 
 use super::floor::{floor, script, surface};
 
@@ -154,6 +154,25 @@ fn facets_are_as_wide_as_shaders_say() {
     ] {
         let Film { share, ior, thickness } = only(&closure).film;
         assert_eq!([share, ior, thickness], [1.0, 1.4, 320.0], "{closure}");
+    }
+}
+
+/// The fate of light between microfacets is a keyword, 0 unless it is given.
+#[test]
+fn light_between_facets_has_a_keyword() {
+    let only = |closure: &str| point(&format!("Ci = {closure};")).bsdf.lobes().as_slice()[0];
+    for closure in [
+        "generalized_schlick_bsdf (N, vector (0), color (1), color (0), 0.5, 0.5, color (0.4), color (1), 5, \"ggx\"",
+        "conductor_bsdf (N, vector (0), 0.5, 0.5, color (0.2), color (3), \"ggx\"",
+    ] {
+        let plain = only(&format!("{closure})"));
+        for (number, light) in
+            [BetweenFacets::Spread, BetweenFacets::Scaled, BetweenFacets::Lost].into_iter().enumerate()
+        {
+            let given = only(&format!("{closure}, \"multiscatter\", {number})"));
+            assert_eq!(given, plain.between_facets(light), "{closure} {light:?}");
+        }
+        assert_ne!(plain.between_facets(BetweenFacets::Scaled), plain, "{closure}");
     }
 }
 

@@ -112,6 +112,13 @@ fn lobes_that_are_the_same_everywhere_are_those_of_each_point() {
     const LIGHT: &str = "surface lamp (float glow = 5, color c = color (1, 0.5, 0.2), float hole = 0.3, float tint = 0.2) {
         Ci = glow * c * emission () + hole * transparent () + tint * transparent ();
         if (hole < 0.4) Ci = layer (sheen_bsdf (N, color (0.5), 0.4), Ci + glow * uniform_edf (c)) + (1 - hole) * diffuse (N); }";
+    const SIDED: &str = "surface sided (float glow = 5, float cone = -2) {
+        if (backfacing ()) Ci = 0.25 * transparent () + 0.25 * diffuse (N);
+        else {
+            vector d = normalize (-I);
+            float share = 1;
+            if (cone > -1.0) share = d[2];
+            Ci = glow * share * emission () + 0.5 * transparent (); } }";
     for (text, values) in [
         (PRINCIPLED, coat),
         (PRINCIPLED, glass),
@@ -123,6 +130,8 @@ fn lobes_that_are_the_same_everywhere_are_those_of_each_point() {
         (LIGHT, "hole=0.6"),
         (LIGHT, "glow=0:tint=0"),
         (LIGHT, "hole=1:glow=0:tint=0"),
+        (SIDED, ""),
+        (SIDED, "glow=2"),
     ] {
         let (mut fixed, codes) = separate(text);
         for (name, value) in values.split(':').filter_map(|value| value.split_once('=')) {
@@ -166,6 +175,7 @@ fn what_differs_from_point_to_point_is_run() {
         "float w = 0.2; Ci = dielectric_bsdf (N, dPdu, 1, 1, w, w, 1.5, \"ggx\"); float unused = u * 2;",
         "Ci = diffuse (N) + emission ();",
         "Ci = 0.5 * transparent () + 0.5 * uniform_edf (color (0, 1, 2));",
+        "if (backfacing ()) Ci = emission ();",
     ] {
         assert!(!is_run(body), "the same everywhere: {body}");
     }
@@ -184,7 +194,7 @@ fn what_differs_from_point_to_point_is_run() {
         "color c = 0; getattribute (\"Cd\", c); Ci = c * diffuse (N);",
         "printf (\"%g\", 1.0); Ci = diffuse (N);",
         "Ci = diffuse (N) + u * emission ();",
-        "if (backfacing ()) Ci = emission ();",
+        "if (backfacing ()) Ci = u * emission ();",
         "Ci = color (0.5, 0.6, 0.7) * transparent () + diffuse (N);",
         "Ci = uniform_edf (color (u)) + transparent ();",
         "Ci = trace (P, N) * diffuse (N);",

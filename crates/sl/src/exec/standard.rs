@@ -7,8 +7,9 @@ use crate::types::{Base, Type};
 use std::sync::LazyLock;
 
 /// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure. Keyword arguments: `~`
-/// a thin film's thickness (nanometres) and index, `+` whether multiple scattering between microfacets is
-/// added, `?` the name of the model, `|` a film and whether both sides of a pane are one surface.
+/// a thin film's thickness (nanometres) and index, and the fate of light between microfacets. `+` whether
+/// multiple scattering between microfacets is added. `?` the name of the model. `|` a film and whether both
+/// sides of a pane are one surface.
 const TABLE: [(&str, &str); 29] = [
     ("emission", ""),
     ("background", ""),
@@ -57,7 +58,11 @@ static ALL: LazyLock<Vec<ClosureDecl>> = LazyLock::new(|| {
     let decl = |(name, codes): (&str, &str)| {
         let plain = codes.trim_end_matches(['~', '+', '?', '|', '>']);
         let named = match &codes[plain.len()..] {
-            "~" => vec![key("thinfilm_thickness", Base::Float), key("thinfilm_ior", Base::Float)],
+            "~" => vec![
+                key("thinfilm_thickness", Base::Float),
+                key("thinfilm_ior", Base::Float),
+                key("multiscatter", Base::Int),
+            ],
             "|" => vec![
                 key("thinfilm_thickness", Base::Float),
                 key("thinfilm_ior", Base::Float),

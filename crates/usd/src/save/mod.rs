@@ -7,6 +7,7 @@ mod binary;
 mod lights;
 mod materials;
 mod prims;
+mod strands;
 mod text;
 mod transforms;
 mod writer;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Prims of a scene: meshes, instances, cameras. Tests: `tests/save.rs`.
 
-use gnurt_scene::{Affine, Camera, Mesh, Object, ObjectId, Projection, Scene};
+use gnurt_scene::{Affine, Camera, Mesh, Object, ObjectId, Primitives, Projection, Scene};
 
-use super::text::{Text, tuple};
+use super::text::{Text, VERTEX, tuple};
 use super::transforms::{frame, write_transform};
-use super::{lights, materials};
+use super::{lights, materials, strands};
 
 /// Writes all of a scene; `files`: the names of its textures.
 pub(super) fn write(scene: &Scene, files: &[String], text: &mut Text) {
@@ -85,7 +85,7 @@ impl Writer<'_> {
     }
 
     fn contents(&self, object: &Object, text: &mut Text) {
-        for mesh in object.meshes.iter().map(|&id| self.scene.mesh(id)).filter(|mesh| mesh.has_triangles()) {
+        for mesh in object.meshes.iter().map(|&id| self.scene.mesh(id)) {
             self.mesh(mesh, text);
         }
         for member in &object.members {
@@ -101,39 +101,46 @@ impl Writer<'_> {
     fn mesh(&self, mesh: &Mesh, text: &mut Text) {
         let look = self.looks.get(mesh.material.index());
         let metadata = look.map(|_| "prepend apiSchemas = [\"MaterialBindingAPI\"]".to_owned());
-        let name = if mesh.name.is_empty() { "Mesh" } else { &mesh.name };
-        text.open("def Mesh", name, metadata.as_slice());
-        text.line("uniform token subdivisionScheme = \"none\"");
-        text.numbers("int[] faceVertexCounts", mesh.indices.iter().map(|_| 3), "");
-        text.numbers("int[] faceVertexIndices", mesh.indices.as_flattened().iter(), "");
-        text.vectors("point3f[] points", mesh.positions.iter().copied(), "");
-        let (least, most) = extent(mesh);
-        text.line(format_args!("float3[] extent = [{}, {}]", tuple(least), tuple(most)));
-        const VERTEX: &str = " (\n            interpolation = \"vertex\"\n        )";
-        if !mesh.normals.is_empty() {
-            text.vectors("normal3f[] normals", mesh.normals.iter().copied(), VERTEX);
-        }
-        if !mesh.texcoords.is_empty() {
-            text.vectors("texCoord2f[] primvars:st", mesh.texcoords.iter().copied(), VERTEX);
-        }
-        if !mesh.colors.is_empty() {
-            text.vectors(
-                "color3f[] primvars:displayColor",
-                mesh.colors.iter().map(|&[r, g, b, _]| [r, g, b]),
-                VERTEX,
-            );
-            if mesh.colors.iter().any(|color| color[3] != 1.0) {
-                text.numbers(
-                    "float[] primvars:displayOpacity",
-                    mesh.colors.iter().map(|color| color[3]),
-                    VERTEX,
-                );
-            }
+        let (head, fallback) = match mesh.primitives {
+            Primitives::Triangles => ("def Mesh", "Mesh"),
+            Primitives::Curves(_) => ("def BasisCurves", "Curves"),
+            Primitives::Spheres(_) => ("def Points", "Points"),
+        };
+        text.open(head, if mesh.name.is_empty() { fallback } else { &mesh.name }, metadata.as_slice());
+        match &mesh.primitives {
+            Primitives::Triangles => write_triangles(mesh, text),
+            Primitives::Curves(curves) => strands::write_curves(mesh, curves, text),
+            Primitives::Spheres(radii) => strands::write_spheres(mesh, radii, text),
         }
         if let Some(look) = look {
             text.line(format_args!("rel material:binding = <{look}>"));
         }
         text.close();
+    }
+}
+
+fn write_triangles(mesh: &Mesh, text: &mut Text) {
+    text.line("uniform token subdivisionScheme = \"none\"");
+    text.numbers("int[] faceVertexCounts", mesh.indices.iter().map(|_| 3), "");
+    text.numbers("int[] faceVertexIndices", mesh.indices.as_flattened().iter(), "");
+    text.vectors("point3f[] points", mesh.positions.iter().copied(), "");
+    let (least, most) = extent(mesh);
+    text.line(format_args!("float3[] extent = [{}, {}]", tuple(least), tuple(most)));
+    if !mesh.normals.is_empty() {
+        text.vectors("normal3f[] normals", mesh.normals.iter().copied(), VERTEX);
+    }
+    if !mesh.texcoords.is_empty() {
+        text.vectors("texCoord2f[] primvars:st", mesh.texcoords.iter().copied(), VERTEX);
+    }
+    if !mesh.colors.is_empty() {
+        text.vectors(
+            "color3f[] primvars:displayColor",
+            mesh.colors.iter().map(|&[r, g, b, _]| [r, g, b]),
+            VERTEX,
+        );
+        if mesh.colors.iter().any(|color| color[3] != 1.0) {
+            text.numbers("float[] primvars:displayOpacity", mesh.colors.iter().map(|color| color[3]), VERTEX);
+        }
     }
 }
 

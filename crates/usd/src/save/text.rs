@@ -4,6 +4,9 @@
 use std::collections::HashSet;
 use std::fmt::{Display, Write as _};
 
+/// The tail of an attribute with one value for each vertex.
+pub(super) const VERTEX: &str = " (\n            interpolation = \"vertex\"\n        )";
+
 /// A layer under construction.
 #[derive(Default)]
 pub(super) struct Text {

@@ -4,15 +4,14 @@
 use std::path::{Path, PathBuf};
 
 use gnurt_scene::io::writer::{
-    check_writable, encode_texture, leave_out, measures, of_layer_textures, of_primitives, of_texcoords,
-    write,
+    check_writable, encode_texture, leave_out, measures, of_layer_textures, of_texcoords, write,
 };
 use gnurt_scene::io::{Error, SceneWriter, Warnings};
 use gnurt_scene::texture::TexelData;
 use gnurt_scene::{Light, Scene, TextureId};
 
 use super::text::Text;
-use super::{binary, lights, materials, prims};
+use super::{binary, lights, materials, prims, strands};
 
 /// The writer.
 pub(crate) const WRITER: SceneWriter = SceneWriter {
@@ -20,6 +19,7 @@ pub(crate) const WRITER: SceneWriter = SceneWriter {
     companions: texture_files,
     has_materials: true,
     has_animations: false,
+    has_strands: true,
     is_whole: false,
 };
 
@@ -62,7 +62,7 @@ fn leave_out_rest(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     materials::leave_out_layers(scene, path, warnings);
     of_layer_textures(scene, path, warnings);
     of_texcoords(scene, path, warnings);
-    of_primitives(scene, path, warnings);
+    strands::leave_out_properties(scene, path, warnings);
 }
 
 /// The files of textures.

@@ -3,7 +3,7 @@
 //! docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
 
 use gnurt::denoise::Method;
-use gnurt::image::{ExrCompression, ToneCurve};
+use gnurt::image::{ExrCompression, ToneCurve, WorkingSpace};
 use gnurt::render::ReconstructionFilter;
 use gnurt_view::TevAddress;
 
@@ -66,6 +66,17 @@ pub(crate) fn bits(text: &str) -> Result<u8, String> {
 /// The name of a compression of EXR.
 pub(crate) fn compression(name: &str) -> Result<ExrCompression, String> {
     by_name("compression", name, &ExrCompression::ALL)
+}
+
+/// The name of a working space.
+pub(crate) fn working_space(name: &str) -> Result<WorkingSpace, String> {
+    by_name("space", name, &WorkingSpace::ALL)
+}
+
+/// Pixels of a tile's side.
+pub(crate) fn tile_size(text: &str) -> Result<u32, String> {
+    let size = text.parse().ok().filter(|size| (16..=16384).contains(size));
+    size.ok_or_else(|| "expected a whole number from 16 to 16384".into())
 }
 
 /// From 1 to 100.

@@ -17,7 +17,8 @@ mod usd;
 
 pub(crate) use bench::{batch, characters, columns, engine, instances, motion_case, ray_class, rounds};
 pub(crate) use display_values::{
-    DenoiserChoice, ExposureChoice, bits, compression, denoiser, display, exposure, filter, quality, tone,
+    DenoiserChoice, ExposureChoice, bits, compression, denoiser, display, exposure, filter, quality,
+    tile_size, tone, working_space,
 };
 pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
 pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};

@@ -11,7 +11,7 @@ use super::format::{PictureFormat, Readers, Signature};
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "EXR",
     extensions: &["exr"],
-    notes: "linear radiance and layers, 16 or 32 bits; deep data is rejected",
+    notes: "linear radiance and layers, 16 or 32 bits, rows or tiles; deep data is rejected",
     is_for_screens: false,
     has_opacity: true,
     has_layers: true,

@@ -3,11 +3,17 @@
 //! A group is the part's name and the text before the last dot of a channel's name. All other channels become
 //! layers. The layer `background`, R, G, B and A, is the background and is added to the colour: a picture's
 //! colour is the visible sum. Colours of other chromaticities become those of Rec. 709. The picture is the display window; pixels missing from the data window are
-//! black and transparent. Invariants: headers are checked before pixels are read; everything runs on the
-//! calling thread.
+//! black and transparent. The caller's workers decompress blocks. Invariants: headers are checked before pixels
+//! are read; the picture does not depend on the workers.
 //! Tests: `tests/{round_trip,broken}.rs`.
 
-use exr::block::reader::Reader;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use exr::block::UncompressedBlock;
+use exr::block::reader::{ChunksReader, Reader};
+use exr::image::read::image::LayersReader;
+use exr::meta::BlockDescription;
+use exr::meta::header::Header;
 use exr::prelude::{
     FlatImage, FlatSamples, IntegerBounds, LayerAttributes, ReadChannels, ReadLayers, Text, Vec2,
     attribute::AttributeValue, read,
@@ -15,6 +21,7 @@ use exr::prelude::{
 
 use super::super::guard::decode_guarded;
 use super::super::limits::{PICTURE_BYTES, check_density, check_size};
+use super::super::options::{ALONE, Workers};
 use super::super::source::Source;
 use crate::chromaticities::{Chromaticities, REC709};
 use crate::{Budget, Channel, ChannelData, Error, Layer, Opacity, Picture, Stored, StoredValues};
@@ -23,6 +30,8 @@ use crate::{Budget, Channel, ChannelData, Error, Layer, Opacity, Picture, Stored
 const MAX_INFLATION: u64 = 1032;
 /// This many bytes of pixels are accepted however short the file is.
 const BELIEVED_BYTES: u64 = 1 << 26;
+/// Bytes of blocks that are decompressed together, if one has not more.
+const BYTES_AT_ONCE: u64 = 1 << 24;
 /// Most channels of all parts together.
 const MAX_CHANNELS: usize = 1 << 12;
 
@@ -30,8 +39,9 @@ pub(in crate::file) fn decode(
     source: &mut dyn Source,
     length: u64,
     budget: &Budget,
+    workers: Workers,
 ) -> Result<Picture, Error> {
-    decode_guarded("EXR", || decode_unguarded(source, length, budget))
+    decode_guarded("EXR", || picture(flat(source, length, budget, workers)?))
 }
 
 /// The first part as it is stored: red, green, blue and opacity first, then the other channels in the file's order.
@@ -41,7 +51,7 @@ pub(in crate::file) fn stored(
     budget: &Budget,
 ) -> Result<Stored, Error> {
     decode_guarded("EXR", || {
-        let image = flat(source, length, budget)?;
+        let image = flat(source, length, budget, ALONE)?;
         let display = image.attributes.display_window;
         let Some(part) = image.layer_data.into_iter().next() else {
             return Err(Error::corrupt("EXR", "it has no parts"));
@@ -74,22 +84,44 @@ pub(in crate::file) fn stored(
     })
 }
 
-fn decode_unguarded(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<Picture, Error> {
-    picture(flat(source, length, budget)?)
-}
-
-fn flat(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<FlatImage, Error> {
+fn flat(source: &mut dyn Source, length: u64, budget: &Budget, workers: Workers) -> Result<FlatImage, Error> {
     let reader = exr::block::read(source, false).map_err(library_error)?;
     check_headers(&reader, length, budget)?;
-    read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .non_parallel()
-        .from_chunks(reader)
-        .map_err(library_error)
+    from_blocks(reader, workers).map_err(library_error)
+}
+
+/// The parts of a file whose headers are checked.
+fn from_blocks(
+    reader: Reader<impl std::io::Read + std::io::Seek>,
+    workers: Workers,
+) -> exr::error::Result<FlatImage> {
+    let attributes = reader.headers().first().map(|header| header.shared_attributes.clone());
+    let most = reader.headers().iter().map(blocks_at_once).min().unwrap_or(1);
+    let all = read().no_deep_data().largest_resolution_level().all_channels().all_layers();
+    let mut layers = all.create_layers_reader(reader.headers())?;
+    let mut chunks =
+        reader.filter_chunks(false, |meta, tile, block| layers.filter_block(meta, tile, block))?;
+    loop {
+        let some = chunks.by_ref().take(most).collect::<exr::error::Result<Vec<_>>>()?;
+        if some.is_empty() {
+            break;
+        }
+        let compressed: Vec<_> = some.into_iter().map(|chunk| Mutex::new(Some(chunk))).collect();
+        let blocks: Vec<OnceLock<_>> = compressed.iter().map(|_| OnceLock::new()).collect();
+        let meta = chunks.meta_data();
+        workers(compressed.len(), &|k| {
+            // Nothing panics while it is locked.
+            let chunk = compressed[k].lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(chunk) = chunk {
+                blocks[k].get_or_init(|| UncompressedBlock::decompress_chunk(chunk, meta, false));
+            }
+        });
+        for block in blocks.into_iter().filter_map(OnceLock::into_inner) {
+            layers.read_block(&chunks.meta_data().headers, block?)?;
+        }
+    }
+    let attributes = attributes.ok_or_else(|| exr::error::Error::Invalid("it has no parts".into()))?;
+    Ok(FlatImage { attributes, layer_data: layers.into_layers() })
 }
 
 fn check_headers<R: std::io::Read + std::io::Seek>(
@@ -112,7 +144,7 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
         }
         check_density("EXR", [display.0 as u64, display.1 as u64], length, MAX_INFLATION)?;
         let pixels = header.layer_size.0 as u64 * header.layer_size.1 as u64;
-        let block = header.channels.bytes_per_pixel as u64 * block_pixels(header);
+        let block = block_bytes(header);
         bytes =
             bytes.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64)).max(block);
         channels += header.channels.list.len();
@@ -121,7 +153,9 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
         let cropped =
             (window[0] * window[1]).max(pixels).saturating_mul(4 * header.channels.list.len() as u64);
         let read = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
-        memory = memory.saturating_add(cropped.max(read)).saturating_add(block);
+        // Blocks as they are stored, and as they become.
+        let together = block.saturating_mul(blocks_at_once(header) as u64).min(read.max(block));
+        memory = memory.saturating_add(cropped.max(read)).saturating_add(together.saturating_mul(2));
         // Each block has an offset of eight bytes and a head of at least eight.
         if (header.chunk_count as u64).saturating_mul(16) > length {
             return Err(Error::corrupt(
@@ -143,12 +177,20 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
     budget.check_bytes(window, memory.saturating_add(width * height * PICTURE_BYTES))
 }
 
-fn block_pixels(header: &exr::meta::header::Header) -> u64 {
-    use exr::meta::BlockDescription;
-    match header.blocks {
-        BlockDescription::ScanLines => 0,
-        BlockDescription::Tiles(tiles) => (tiles.tile_size.0 as u64).saturating_mul(tiles.tile_size.1 as u64),
-    }
+/// Bytes of a whole block.
+fn block_bytes(header: &Header) -> u64 {
+    let [width, height] = match header.blocks {
+        BlockDescription::ScanLines => {
+            [header.layer_size.0, header.compression.scan_lines_per_block().min(header.layer_size.1)]
+        }
+        BlockDescription::Tiles(tiles) => [tiles.tile_size.0, tiles.tile_size.1],
+    };
+    (header.channels.bytes_per_pixel as u64).saturating_mul(width as u64).saturating_mul(height as u64)
+}
+
+/// Blocks that are decompressed together.
+fn blocks_at_once(header: &Header) -> usize {
+    (BYTES_AT_ONCE / block_bytes(header).max(1)).clamp(1, 64) as usize
 }
 
 /// A channel between a part of the file and the picture.
@@ -157,27 +199,6 @@ struct Found {
     name: String,
     data: ChannelData,
     half: bool,
-}
-
-/// Brings each group of channels R, G and B to the primaries of Rec. 709; other channels hold no colours.
-fn to_rec709(found: &mut [Found], rows: &[[f32; 3]; 3]) {
-    let groups: Vec<String> = found.iter().filter(|c| c.name == "R").map(|c| c.group.clone()).collect();
-    for group in groups {
-        let at = |name: &str| found.iter().position(|c| c.group == group && c.name == name);
-        let [Some(r), Some(g), Some(b)] = ["R", "G", "B"].map(at) else { continue };
-        let floats = |data: &ChannelData| match data {
-            ChannelData::F32(values) => Some(values.clone()),
-            ChannelData::U32(_) => None,
-        };
-        let [Some(red), Some(green), Some(blue)] = [r, g, b].map(|i| floats(&found[i].data)) else {
-            continue;
-        };
-        for (i, row) in [r, g, b].into_iter().zip(rows) {
-            let all = red.iter().zip(&green).zip(&blue);
-            let mixed = all.map(|((r, g), b)| row[0] * r + row[1] * g + row[2] * b).collect();
-            found[i].data = ChannelData::F32(mixed);
-        }
-    }
 }
 
 fn picture(image: FlatImage) -> Result<Picture, Error> {
@@ -203,10 +224,6 @@ fn picture(image: FlatImage) -> Result<Picture, Error> {
             found.push(Found { group, name: name.to_string(), data, half });
         }
     }
-    let rows = chromaticities.filter(|space| !space.is_near(&REC709)).and_then(|space| space.to(&REC709));
-    if let Some(rows) = rows {
-        to_rec709(&mut found, &rows);
-    }
     let mut picture = Picture { metadata, opacity: Opacity::Associated, ..Picture::default() };
     (picture.width, picture.height) = (window.size.0 as u32, window.size.1 as u32);
     picture.color = take_color(&mut found)?;
@@ -216,6 +233,10 @@ fn picture(image: FlatImage) -> Result<Picture, Error> {
             Some(layer) => layer.channels.push(channel),
             None => picture.layers.push(Layer { name: group, channels: vec![channel] }),
         }
+    }
+    let rows = chromaticities.filter(|space| !space.is_near(&REC709)).and_then(|space| space.to(&REC709));
+    if let Some(rows) = rows {
+        picture.convert_colors(&rows);
     }
     add_background(&mut picture);
     Ok(picture)

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Writing an EXR: one flat part with the colour as R, G, B, A and every layer's channels as `layer.channel`.
 //! Names as other renderers and viewers use them. R, G, B are the foreground, over nothing and associated
-//! with A [PD84]; the background is the layer `background`, to be added. Chromaticities are those of Rec. 709.
+//! with A [PD84]; the background is the layer `background`, to be added. Chromaticities are those of the
+//! requested space.
 //! The caller's workers compress blocks. Invariants: pixels are exact in the chosen precision; finite values stay
 //! finite in half precision; the bytes do not depend on the workers. Tests: `tests/round_trip.rs`.
 
@@ -20,7 +21,6 @@ use exr::prelude::{
 use half::f16;
 
 use super::super::options::{ExrCompression, ExrPixels, Workers, WriteOptions};
-use crate::chromaticities::REC709;
 use crate::{BACKGROUND, Channel, ChannelData, Error, Picture};
 
 /// Names that the file format itself uses; metadata of these names gets a prefix.
@@ -48,11 +48,14 @@ const RESERVED_PREFIX: &str = "gnurt.";
 /// Compressed blocks that wait to be written at most: of 16 lines each in the default compression.
 const BLOCKS_AT_ONCE: usize = 64;
 
+/// Largest width and height of tiles.
+const LARGEST_TILE: u32 = 1 << 14;
+
 /// Longest name of an attribute or channel.
 const MAX_NAME: usize = 255;
 
-fn encoding(compression: ExrCompression) -> Encoding {
-    let compression = match compression {
+fn encoding(options: &WriteOptions) -> Encoding {
+    let compression = match options.exr_compression {
         ExrCompression::None => Compression::Uncompressed,
         ExrCompression::Rle => Compression::RLE,
         ExrCompression::Zips => Compression::ZIP1,
@@ -60,7 +63,9 @@ fn encoding(compression: ExrCompression) -> Encoding {
         ExrCompression::Piz => Compression::PIZ,
         ExrCompression::Pxr24 => Compression::PXR24,
     };
-    Encoding { compression, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing }
+    let tile = |size: u32| Blocks::Tiles(Vec2(size as usize, size as usize));
+    let blocks = options.exr_tile.map_or(Blocks::ScanLines, |size| tile(size.clamp(1, LARGEST_TILE)));
+    Encoding { compression, blocks, line_order: LineOrder::Increasing }
 }
 
 pub(in crate::file) fn encode(
@@ -68,15 +73,22 @@ pub(in crate::file) fn encode(
     options: &WriteOptions,
     workers: Workers,
 ) -> Result<Vec<u8>, Error> {
+    let (chromaticities, rows) = (options.exr_space.chromaticities(), options.exr_space.from_rec709());
+    let converted = rows.map(|rows| {
+        let mut converted = picture.clone();
+        converted.convert_colors(&rows);
+        converted
+    });
+    let picture = converted.as_ref().unwrap_or(picture);
     let channels = channels(picture, options.exr_pixels)?;
     let size = (picture.width as usize, picture.height as usize);
-    let encoding = encoding(options.exr_compression);
+    let encoding = encoding(options);
     let layer =
         Layer::new(size, attributes(picture), encoding, AnyChannels::sort(channels.into_iter().collect()));
     let mut image = Image::from_layer(layer);
     let point = |[x, y]: [f32; 2]| Vec2(x, y);
-    let [red, green, blue] = REC709.primaries.map(point);
-    let white = point(REC709.white);
+    let [red, green, blue] = chromaticities.primaries.map(point);
+    let white = point(chromaticities.white);
     image.attributes.chromaticities = Some(Chromaticities { red, green, blue, white });
     write(&image, workers).map_err(|error| Error::Shape(format!("it does not fit an EXR: {error}")))
 }

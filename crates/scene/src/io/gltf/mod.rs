@@ -62,6 +62,7 @@ pub(super) const TEXT: Format = Format {
         companions: |_, path| vec![save::buffer_file(path)],
         has_materials: true,
         has_animations: true,
+        has_strands: false,
         is_whole: false,
     }),
 };
@@ -79,6 +80,7 @@ pub(super) const BINARY: Format = Format {
         companions: |_, _| Vec::new(),
         has_materials: true,
         has_animations: true,
+        has_strands: false,
         is_whole: false,
     }),
 };

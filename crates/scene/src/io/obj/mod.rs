@@ -42,6 +42,7 @@ pub(super) const FORMAT: Format = Format {
         companions: save::companion_files,
         has_materials: true,
         has_animations: false,
+        has_strands: false,
         is_whole: true,
     }),
 };

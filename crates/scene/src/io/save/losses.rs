@@ -21,11 +21,10 @@ pub(in crate::io) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warning
     };
     let hidden = scene.instances().iter().enumerate().filter(|(id, it)| !it.visible && !moves(*id)).count();
     leave_out(hidden, "hidden instance", path, warnings);
-    of_primitives(scene, path, warnings);
 }
 
-/// Meshes of curves or spheres, which none of our writers holds.
-pub fn of_primitives(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+/// Meshes of curves or spheres, in formats without them.
+pub(in crate::io) fn of_primitives(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let count = scene.meshes().iter().filter(|mesh| !mesh.has_triangles()).count();
     leave_out(count, "mesh of curves or spheres", path, warnings);
 }

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shaders for the materials of a scene by name, as `--shader` of the program gives them.
+//! A document of MaterialX with several materials gives each material of the scene the one of its name.
+//! Tests: `tests/test_shaders.py`.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use gnurt::osl::{Access, Script, document_and_node, materials_of_document};
+use gnurt::scene::{MaterialId, Surface};
+use gnurt::shading::SurfaceShader;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::given::Given;
+use crate::scripts;
+use crate::textures::Pictures;
+
+/// A shader, and the numbers of the materials that get it.
+pub(crate) struct Shaded {
+    materials: Vec<usize>,
+    script: Script,
+    surface: Arc<dyn SurfaceShader>,
+}
+
+/// Compiles the shaders for the materials with the name `material`, or for all (`*`), of a scene with materials of these
+/// names.
+pub(crate) fn shaded(
+    py: Python<'_>,
+    material: &str,
+    names: &[String],
+    arguments: &Bound<'_, PyDict>,
+    pictures: &dyn Pictures,
+) -> PyResult<Vec<Shaded>> {
+    let is_meant = |name: &&String| material == "*" || material == **name;
+    if !names.iter().any(|name| is_meant(&name)) {
+        let known: Vec<String> = names.iter().map(|name| format!("'{name}'")).collect();
+        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+        return Err(PyValueError::new_err(format!(
+            "material: unknown name '{material}'; the scene has: {known}; '*' is all"
+        )));
+    }
+    let shader = arguments.get_item("shader")?;
+    let text = shader.and_then(|shader| shader.str().ok()).map(|text| text.to_string()).unwrap_or_default();
+    let several = match document_and_node(&text) {
+        Some((file, None)) => py
+            .detach(|| materials_of_document(Path::new(file), &Access::default()))
+            .map_err(|why| PyValueError::new_err(format!("shader: {why}")))?,
+        _ => Vec::new(),
+    };
+    let mut named: Vec<&String> =
+        names.iter().filter(is_meant).filter(|name| several.contains(name)).collect();
+    named.sort();
+    named.dedup();
+    let numbers = |is_it: &dyn Fn(&&String) -> bool| {
+        let all = names.iter().enumerate().filter(|(_, name)| is_it(name));
+        all.map(|(number, _)| number).collect::<Vec<_>>()
+    };
+    if several.len() < 2 || named.is_empty() {
+        return Ok(vec![compiled(py, numbers(&is_meant), arguments, pictures)?]);
+    }
+    let of_name = |name: &String| {
+        let own = arguments.copy()?;
+        own.set_item("shader", format!("{text}:{name}"))?;
+        compiled(py, numbers(&|other| *other == name), &own, pictures)
+    };
+    named.into_iter().map(of_name).collect()
+}
+
+fn compiled(
+    py: Python<'_>,
+    materials: Vec<usize>,
+    arguments: &Bound<'_, PyDict>,
+    pictures: &dyn Pictures,
+) -> PyResult<Shaded> {
+    let mut given = Given::new(arguments);
+    let script = scripts::script(&mut given, pictures)?;
+    given.end()?;
+    let script = script.ok_or_else(|| PyValueError::new_err("shader: expected a file, or source text"))?;
+    let surface = py.detach(|| script.surface());
+    let surface = surface.map_err(|why| PyValueError::new_err(format!("shader: {why}")))?;
+    Ok(Shaded { materials, script, surface })
+}
+
+impl Shaded {
+    /// Puts the shader into a scene; the numbers of its materials.
+    pub(crate) fn put(self, stage: &mut crate::stage::Stage) -> Vec<usize> {
+        let number = stage.add_script(self.script, self.surface);
+        // The scene may have become another one meanwhile.
+        let count = stage.scene().materials().len();
+        let materials: Vec<usize> = self.materials.into_iter().filter(|&id| id < count).collect();
+        stage.edit(|scene| {
+            for &id in &materials {
+                scene.edit_material(MaterialId(id as u32)).surface = Surface::Shader(number);
+            }
+        });
+        materials
+    }
+}
