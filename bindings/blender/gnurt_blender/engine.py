@@ -9,8 +9,9 @@ import time
 import traceback
 
 import bpy
+import numpy as np
 
-from . import holdouts, kept, light_passes, motion, passes, seen_passes
+from . import catchers, holdouts, kept, light_passes, motion, passes, seen_passes
 from .scene import Export
 from .speeds import Speeds
 from .warned import Warned
@@ -66,9 +67,11 @@ class GnurtEngine(bpy.types.RenderEngine):
                 del wanted[name]
         speeds = Speeds(self, depsgraph, camera, size, warned) if "Vector" in wanted else None
         camera_now = camera.evaluated_get(depsgraph)
+        has_catchers = catchers.are_there(depsgraph)
 
         def made(recorder):
-            export = Export(depsgraph, size, camera_now, warned=warned, recorder=recorder, shapes=ways and ways.shapes)
+            part = "others" if has_catchers else None
+            export = Export(depsgraph, size, camera_now, warned=warned, recorder=recorder, shapes=ways and ways.shapes, part=part)
             return export if export.put_all(self.is_stopped) else None
 
         export = kept.exported((scene.name, layer.name), made, scene.render.use_persistent_data)
@@ -77,10 +80,11 @@ class GnurtEngine(bpy.types.RenderEngine):
         has_holdouts = holdouts.are_there(export, depsgraph)
         if scene.render.use_multiview:
             warned("stereo views are rendered from one camera")
-        options = self.options(scene, layer, size, export, wanted, has_holdouts)
+        options = self.options(scene, layer, size, export, wanted, has_holdouts or has_catchers)
         if ways:
             options |= ways.options(export)
         share = holdouts.Shares(export, depsgraph, options) if has_holdouts else None
+        caught = catchers.Caught(export, options, ways) if has_catchers else None
         others = {name: made(export, options) for name, made in seen_passes.SEEN.items() if name in wanted}
         region = options.get("crop")
         x0, y0, x1, y1 = region or (0, 0, *size)
@@ -88,14 +92,14 @@ class GnurtEngine(bpy.types.RenderEngine):
         result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=layer.name)
         self.has_result, self.so_far = True, None
         try:
-            picture = self.grow(export, options, lambda done: self.show(result, done, scene, export, {}, share, box))
+            picture = self.grow(export, options, lambda done: self.show(result, done, scene, export, {}, share, box, caught=caught))
             if scene.gnurt.denoise:
                 picture = picture.denoise()
-            self.show(result, picture, scene, export, wanted, share, box, others, speeds)
+            self.show(result, picture, scene, export, wanted, share, box, others, speeds, caught)
         except Cancelled:
             # The samples so far stay.
             if self.so_far is not None:
-                self.show(result, self.so_far, scene, export, {}, share, box)
+                self.show(result, self.so_far, scene, export, {}, share, box, caught=caught)
             self.end_result(result)
             raise
         self.end_result(result)
@@ -153,14 +157,18 @@ class GnurtEngine(bpy.types.RenderEngine):
     def is_quiet():
         return bpy.app.background
 
-    def show(self, result, picture, scene, export, wanted, share, box, others=None, speeds=None):
+    def show(self, result, picture, scene, export, wanted, share, box, others=None, speeds=None, caught=None):
         """Puts a picture into the result on the screen; `others` are passes that are there already."""
         layer = result.layers[0]
-        color = passes.combined(picture, scene.render.film_transparent)
+        color = passes.combined(picture, scene.render.film_transparent or caught is not None)
+        if caught is not None:
+            color = caught.put(color, scene.render.film_transparent)
         if share is not None:
             color = holdouts.cut(color, share)
         passes.write(layer, "Combined", color[box])
         others = others or {}
+        if "Shadow Catcher" in wanted:
+            others = others | {"Shadow Catcher": np.ones_like(color[..., :3]) if caught is None else caught.factor}
         if speeds:
             others["Vector"] = speeds.of_picture(picture, export)
         for name, entry in wanted.items():

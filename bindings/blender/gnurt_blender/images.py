@@ -9,10 +9,8 @@ def pixels(image, warn):
 
     The space "coded" is that of bytes in sRGB which are to be decoded after they are interpolated.
     """
-    if image.source == "TILED":
-        warn(f"image '{image.name}': only the first of its tiles is shown")
-    if image.source in {"SEQUENCE", "MOVIE"}:
-        warn(f"image '{image.name}': sequences and movies show one picture")
+    if image.source == "MOVIE":
+        warn(f"image '{image.name}': movies show one picture")
     width, height = image.size
     channels = image.channels
     if width == 0 or height == 0 or not image.has_data and len(image.pixels) == 0:
@@ -21,15 +19,22 @@ def pixels(image, warn):
     values = np.empty(width * height * channels, np.float32)
     image.pixels.foreach_get(values)
     values = values.reshape(height, width, channels)[::-1]
-    space = image.colorspace_settings.name
     if image.is_float:
         # Blender keeps these in linear light.
         return np.ascontiguousarray(values), "linear"
+    if is_coded(image, warn):
+        # Cycles interpolates the stored values and decodes the result: the shader does so, too.
+        return np.round(values * 255).astype(np.uint8), "coded"
+    return np.ascontiguousarray(values), "linear"
+
+
+def is_coded(image, warn):
+    """Whether the stored bytes are in sRGB."""
+    space = image.colorspace_settings.name
     if space in {"sRGB", "Filmic sRGB", "AgX Base sRGB"}:
         if space != "sRGB":
             warn(f"image '{image.name}': colour space '{space}' is read as sRGB")
-        # Cycles interpolates the stored values and decodes the result: the shader does so, too.
-        return np.round(values * 255).astype(np.uint8), "coded"
+        return True
     if not (space.startswith("Non-Color") or space.startswith("Linear Rec.709") or space in {"Raw", "Linear"}):
         warn(f"image '{image.name}': colour space '{space}' is read as linear")
-    return np.ascontiguousarray(values), "linear"
+    return False

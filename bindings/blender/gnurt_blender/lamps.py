@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from . import links
+from .nodes.tree import fed_by
 
 # Points and spots in one light of the language; it chooses one of them for each sample.
 MOST_TOGETHER = 48
@@ -18,17 +19,25 @@ MOST_SAMPLED = 16
 # Of a sun from the origin where media see it, world units.
 FAR = 1e5
 
+# Numbers of each of them.
+NUMBERS = 14
 POINT = """
+float blender_falloff(float distance, float power, float smooth)
+{
+    float square = distance * distance;
+    return ((power > 1.5) ? square : ((power > 0.5) ? distance : 1.0)) * ((smooth > 0.0) ? square / (smooth + square) : 1.0);
+}
 light blender_points (float given[TOTAL] = {0})
 {
-    // Each light has a power, a place, a radius, an axis, the cosine of its cone (-2 is none) and the width of the cone's edge. One is
-    // chosen by its light without shadows.
+    // Each light has a power, a place, a radius, an axis, the cosine of its cone (-2 is none), the width of the cone's edge, and the power
+    // of the distance and the smoothness of its falloff. One is chosen by its light without shadows.
     float share[COUNT];
     float total = 0.0;
     for (int i = 0; i < COUNT; i += 1) {
-        int k = 12 * i;
+        int k = NUMBERS * i;
         vector way = point(given[k + 3], given[k + 4], given[k + 5]) - Ps;
-        float own = (given[k] + given[k + 1] + given[k + 2]) / max(dot(way, way), 1e-8);
+        float near = max(dot(way, way), 1e-8);
+        float own = (given[k] + given[k + 1] + given[k + 2]) / near * blender_falloff(sqrt(near), given[k + 12], given[k + 13]);
         if (given[k + 10] > -1.0) {
             float c = -dot(normalize(way), vector(given[k + 7], given[k + 8], given[k + 9]));
             // The edge of a sphere may see more than its middle.
@@ -49,7 +58,7 @@ light blender_points (float given[TOTAL] = {0})
             n += 1;
         }
         float chance = share[n] / total, x = (share[n] > 0.0) ? clamp(left / share[n], 0.0, 1.0) : 0.5;
-        int k = 12 * n;
+        int k = NUMBERS * n;
         // A disc that faces the point, as large as the sphere seems from afar.
         point where = point(given[k + 3], given[k + 4], given[k + 5]);
         vector d = normalize(where - Ps);
@@ -59,7 +68,8 @@ light blender_points (float given[TOTAL] = {0})
         lightdist = length(way);
         L = way / lightdist;
         if (chance > 0.0)
-            Cl = color(given[k], given[k + 1], given[k + 2]) * max(dot(L, d), 0.0) / (lightdist * lightdist * chance);
+            Cl = color(given[k], given[k + 1], given[k + 2]) * max(dot(L, d), 0.0) / (lightdist * lightdist * chance)
+                * blender_falloff(lightdist, given[k + 12], given[k + 13]);
         if (given[k + 10] > -1.0) {
             float c = -dot(L, vector(given[k + 7], given[k + 8], given[k + 9])) - given[k + 10], smooth = given[k + 11];
             Cl *= (c <= 0.0) ? 0.0 : ((smooth > 0.0) ? smoothstep(0.0, 1.0, c / smooth) : 1.0);
@@ -106,7 +116,7 @@ SHINING = """
 surface blender_lamp (color light = 1, vector axis = vector(0, 0, -1), float cone = -2, float smooth = 0, float spread = 0,
     float spread_scale = 1)
 {
-    if (backfacing() || (MIRRORED && !raytype("camera") && !raytype("reflection") && !raytype("refraction")))
+    if (backfacing()HIDDEN)
         Ci = transparent();
     else {
         float share = 1.0;
@@ -170,8 +180,26 @@ def put_points(scene, points):
     """Points and spots together, as lights that choose among them."""
     for first in range(0, len(points), MOST_TOGETHER):
         some = points[first : first + MOST_TOGETHER]
-        text = POINT.replace("TOTAL", str(12 * len(some))).replace("COUNT", str(len(some)))
+        text = POINT.replace("NUMBERS", str(NUMBERS)).replace("TOTAL", str(NUMBERS * len(some))).replace("COUNT", str(len(some)))
         scene.add_light_shader(text, parameters={"given": [x for point in some for x in point]})
+
+
+# The condition under which a lamp that lights the scene by other means is not there.
+SCATTERED = ' || (!raytype("camera") && !raytype("reflection") && !raytype("refraction"))'
+
+
+def falloff_of(data):
+    """The colour of the Emission node of a lamp whose strength a Light Falloff node gives, the power of the distance and the smoothness; or None."""
+    output = data.node_tree.get_output_node("CYCLES")
+    emission = fed_by(output.inputs["Surface"]) if output else None
+    if emission is None or emission[0].type != "EMISSION" or emission[0].inputs["Color"].is_linked:
+        return None
+    falloff = fed_by(emission[0].inputs["Strength"])
+    if falloff is None or falloff[0].type != "LIGHT_FALLOFF" or any(each.is_linked for each in falloff[0].inputs):
+        return None
+    node, name = falloff
+    color = np.array(emission[0].inputs["Color"].default_value[:3], float) * node.inputs["Strength"].default_value
+    return color, {"Quadratic": 0.0, "Linear": 1.0, "Constant": 2.0}[name], max(node.inputs["Smooth"].default_value, 0.0)
 
 
 class Lamp:
@@ -183,6 +211,8 @@ class Lamp:
         self.scale = np.linalg.norm(self.matrix[:3, :3], axis=0)
         self.turn = self.matrix[:3, :3] / np.maximum(self.scale, 1e-20)
         self.color = self._color()
+        # Whether its nodes are in its colour.
+        self.is_plain = False
         # Lights of the language light neither media nor some objects alone.
         self.is_shape = export.has_media or links.are_there(lamp_object)
 
@@ -195,8 +225,9 @@ class Lamp:
 
     def put(self):
         data = self.data
-        if getattr(data, "use_custom_distance", False):
-            pass
+        # A portal marks where light of the sky comes in; the sky is sampled without it.
+        if data.type == "AREA" and getattr(getattr(data, "cycles", None), "is_portal", False):
+            return
         getattr(self, {"POINT": "point", "SPOT": "point", "SUN": "sun", "AREA": "area"}[data.type])()
 
     def spot(self):
@@ -212,13 +243,18 @@ class Lamp:
         where = self.matrix[:3, 3]
         normalize = getattr(data, "normalize", True)
         is_soft = getattr(data, "use_soft_falloff", True)
-        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft) and not self.is_shape
+        falloff = falloff_of(data) if self.has_nodes() and not self.is_shape else None
+        is_sampled = (falloff is not None or not self.has_nodes()) and (radius <= 0 or is_soft) and not self.is_shape
         if is_sampled:
+            if falloff is not None:
+                # The lamp itself is seen as it is at a distance of 1.
+                self.color, self.is_plain = self.color * falloff[0], True
+            _, *falloff = falloff or (1.0, 0.0, 0.0)
             power = self.color / (4 * math.pi)
             if not normalize:
                 power = self.color * (radius * radius if radius > 0 else 1 / math.pi)
             cone = self.spot()
-            own = [*power, *where, radius, *cone.get("axis", (0, 0, -1)), cone.get("cone", -2.0), cone.get("smooth", 0.0)]
+            own = [*power, *where, radius, *cone.get("axis", (0, 0, -1)), cone.get("cone", -2.0), cone.get("smooth", 0.0), *falloff]
             self.export.points.append([float(x) for x in own])
             if radius <= 0:
                 return
@@ -276,6 +312,8 @@ class Lamp:
         self.shape(points, faces, light, parameters, is_narrow)
 
     def has_nodes(self):
+        if self.is_plain:
+            return False
         tree = getattr(self.data, "node_tree", None)
         return bool(getattr(self.data, "use_nodes", False) and tree)
 
@@ -287,7 +325,8 @@ class Lamp:
             made = export.light_nodes(self.data, self.object)
             if made is not None:
                 body, extra = made
-        shader = SHINING.replace("BODY", body).replace("MIRRORED", str(int(is_mirrored)))
+        # Without that condition the emission of a side is even, and is computed once.
+        shader = SHINING.replace("BODY", body).replace("HIDDEN", SCATTERED if is_mirrored else "")
         if extra:
             shader = extra["head"] + shader.replace("        float share = 1.0;", extra["lines"] + "\n        float share = 1.0;")
         material = export.scene.add_material(

@@ -21,10 +21,11 @@ PASSES = {
     "use_pass_ambient_occlusion": ("Ambient Occlusion", 3, "RGB", "COLOR"),
     "use_pass_emit": ("Emission", 3, "RGB", "COLOR"),
     "use_pass_environment": ("Environment", 3, "RGB", "COLOR"),
+    "use_pass_shadow_catcher": ("Shadow Catcher", 3, "RGB", "COLOR"),
 }
 OLD_NAMES = {"Object Index": "IndexOB", "Material Index": "IndexMA", "Emission": "Emit", "Environment": "Env", "Ambient Occlusion": "AO"}
 OLD_NAMES |= light_passes.OLD_NAMES
-NAMED = {"use_pass_shadow": "Shadow", "use_pass_shadow_catcher": "Shadow Catcher"}
+NAMED = {"use_pass_shadow": "Shadow"}
 NAMED |= {f"use_pass_subsurface_{part}": f"Subsurface {part.capitalize()}" for part in ("direct", "indirect", "color")}
 # Mattes: (layer of the package, name of the first passes).
 MATTES = {
@@ -34,7 +35,7 @@ MATTES = {
 }
 FAR = 1e10
 # Channels of the layer of ids.
-ID_INSTANCE, ID_MATERIAL = 1, 3
+ID_INSTANCE, ID_PRIMITIVE, ID_MATERIAL = 1, 2, 3
 
 
 def wanted(layer, warn=None):
@@ -42,7 +43,7 @@ def wanted(layer, warn=None):
     for name in NAMED:
         if warn and light_passes.is_on(layer, name):
             warn(f"view layer '{layer.name}': the pass {NAMED[name]} is not rendered")
-    found = {entry[0]: entry for name, entry in PASSES.items() if getattr(layer, name, False)}
+    found = {entry[0]: entry for name, entry in PASSES.items() if light_passes.is_on(layer, name)}
     names = [f"{name}{level:02}" for _, name in mattes(layer) for level in range((matte_depth(layer) + 1) // 2)]
     return found | light_passes.wanted(layer) | {name: (name, 4, "rgba", "COLOR") for name in names}
 

@@ -8,11 +8,12 @@ import re
 
 import numpy as np
 
-from . import cameras, hashes, images, links, meshes, motion, strands, volumes
+from . import cameras, catchers, hashes, images, links, meshes, motion, picture_files, skies, strands, suns, volumes
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
 from .nodes.surfaces import bump_of_displacement
+from .nodes.tree import fed_by
 from .warned import Warned
 
 # From the middle of our latitude-longitude pictures, which is y, to that of Blender's, which is x; degrees.
@@ -36,8 +37,14 @@ class Surroundings:
     def owner(self):
         return f"'{self.material.name}'"
 
-    def image(self, image, colorspace):
-        return self.export.image(image)
+    def image(self, image, user=None):
+        return self.export.image(image, user)
+
+    def tiles(self, image):
+        return self.export.tiles(image)
+
+    def made_image(self, key, make):
+        return self.export.made_image(key, make)
 
     def generated(self, code):
         if code.kind == "environment":
@@ -105,12 +112,14 @@ class Surroundings:
 class Export:
     """A scene of the package in the making. `overrides` replaces materials: a function of an object that returns shader text or None."""
 
-    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None, shapes=None, masks=False):
+    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None, shapes=None, masks=False, part=None):
         self.depsgraph, self.size = depsgraph, size
         self.scene_data, self.view_layer = depsgraph.scene, depsgraph.view_layer
         self.warn = warned or Warned()
         # In a mask only Holdout nodes shine.
         self.override, self.masks, self.holds = override, masks, False
+        # With shadow catchers the picture has parts.
+        self.part = part
         self.scene = recorder or Recorder()
         self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
         # Pictures by their numbers in the package.
@@ -147,6 +156,8 @@ class Export:
         put_points(self.scene, self.points)
         self.world()
         links.put(self)
+        if self.part == "others":
+            catchers.hold_out(self)
         self.scene.end()
         return True
 
@@ -179,10 +190,10 @@ class Export:
             self.warn(f"object '{found.name}': visibility to diffuse, glossy and transmitted rays is the same here")
         rays = ["camera"] if found.visible_camera else []
         rays += ["shadow"] if found.visible_shadow else []
-        return rays + (["other"] if any(others) else [])
+        return catchers.rays_of(found, rays + (["other"] if any(others) else []), self.part)
 
     def lamp_shows(self, found):
-        return found.visible_camera and not self.is_dark
+        return found.visible_camera and not self.is_dark and self.part in {None, "others"}
 
     def key_of(self, instance, found):
         """What tells instances apart that a shader sees as different."""
@@ -357,7 +368,10 @@ class Export:
             self.reads_uv[self.shaders[key]] = bool(re.search(r"\(u, v|dPdu", text))
         return self.shaders[key]
 
-    def image(self, image):
+    def image(self, image, user=None):
+        """The number of a picture, whether its values are coded as sRGB, and its size; or None. `user` chooses the picture of a sequence."""
+        if image.source == "SEQUENCE" and user is not None:
+            return self.frame_of(image, user)
         if image.name_full not in self.images:
             found = images.pixels(image, self.warn)
             number = None
@@ -368,6 +382,43 @@ class Export:
                 number = (number, space == "coded", tuple(image.size))
             self.images[image.name_full] = number
         return self.images[image.name_full]
+
+    def frame_of(self, image, user):
+        """The picture of a sequence at this frame."""
+        number = picture_files.frame_number(user, self.scene_data.frame_current)
+        path = picture_files.of_frame(picture_files.absolute(image), number)
+        return self.file(image, path)
+
+    def tiles(self, image):
+        """Tiles of an image by their numbers, as `image` has pictures; those without a file are left out."""
+        made = {number: self.file(image, place) for number, place in picture_files.tiles(image).items()}
+        return {number: found for number, found in made.items() if found is not None}
+
+    def file(self, image, place):
+        """A file of an image, or one that is packed, as `image` has pictures."""
+        key = place if isinstance(place, str) else place.filepath
+        if (image.name_full, key) not in self.images:
+            self.images[image.name_full, key] = None
+            try:
+                if isinstance(place, str):
+                    number = self.scene.add_texture(place, name=image.name, colorspace="linear")
+                else:
+                    with picture_files.Unpacked(place) as path:
+                        number = self.scene.add_texture(path, name=image.name, colorspace="linear")
+                is_coded = not image.is_float and images.is_coded(image, self.warn)
+                self.images[image.name_full, key] = (number, is_coded, tuple(image.size))
+            except (OSError, ValueError, RuntimeError) as error:
+                self.warn(f"image '{image.name}': {error}")
+        return self.images[image.name_full, key]
+
+    def made_image(self, key, make):
+        """The number of a picture in linear light that `make` returns, known by a key."""
+        if key not in self.images:
+            values = make()
+            number = self.scene.add_texture(values, name=str(key[0]), colorspace="linear")
+            self.pictures[number] = values
+            self.images[key] = number
+        return self.images[key]
 
     def light_nodes(self, data, found):
         """The colour that the nodes of a light multiply its own by, with the statements before it."""
@@ -406,11 +457,19 @@ class Export:
             self.scene.add_light("environment", radiance=plain)
             return
         direct = picture_of(output) if output is not None else None
-        number = self.image(direct[0]) if direct else None
+        number = self.image(direct[0], direct[2]) if direct else None
         if number is not None:
             # In full resolution, which nodes do not have.
             strength = (direct[1],) * 3
             self.scene.add_light("environment", texture=number[0], radiance=strength, up=(0.0, 0.0, 1.0), turn=TURN)
+            return
+        plain_sky = sky_of(output) if output is not None else None
+        if plain_sky is not None:
+            # The sun is a light of its own.
+            sky, strength = plain_sky
+            number = self.made_image((*sky.key(), "alone"), sky.picture)
+            self.scene.add_light("environment", texture=number, radiance=(strength,) * 3, up=(0.0, 0.0, 1.0), turn=TURN)
+            suns.put(self, sky, strength)
             return
         if output is not None:
             result = compile_tree(code, tree, output.inputs["Surface"])
@@ -431,9 +490,8 @@ def is_volume_alone(material):
 
 def uniform(tree, output):
     """The radiance of a world that is one colour, or None."""
-    socket = output.inputs["Surface"]
-    found = socket.links[0].from_node if socket.is_linked and not socket.links[0].is_muted else None
-    if found is None or found.type not in {"BACKGROUND", "EMISSION"} or found.mute:
+    found = sole(output.inputs["Surface"])
+    if found is None or found.type not in {"BACKGROUND", "EMISSION"}:
         return None
     if found.inputs["Color"].is_linked or found.inputs["Strength"].is_linked:
         return None
@@ -442,21 +500,40 @@ def uniform(tree, output):
 
 
 def picture_of(output):
-    """The picture around a world that is one picture in linear light, and its strength; or None."""
-    end = sole(output.inputs["Surface"])
-    if end is None or end.type != "BACKGROUND" or end.inputs["Strength"].is_linked:
-        return None
-    found = sole(end.inputs["Color"])
+    """The picture around a world that is one picture in linear light, its strength, and the user that chooses its frame; or None."""
+    found, strength = background_of(output)
     if found is None or found.type != "TEX_ENVIRONMENT" or found.inputs["Vector"].is_linked:
         return None
-    image, mapping = found.image, found.texture_mapping
-    is_plain = tuple(mapping.rotation) == (0, 0, 0) and tuple(mapping.scale) == (1, 1, 1) and tuple(mapping.translation) == (0, 0, 0)
-    if image is None or not image.is_float or not is_plain or found.projection != "EQUIRECTANGULAR":
+    image = found.image
+    if image is None or not image.is_float or not is_plain(found.texture_mapping) or found.projection != "EQUIRECTANGULAR":
         return None
-    return image, max(end.inputs["Strength"].default_value, 0.0)
+    return image, strength, found.image_user
+
+
+def sky_of(output):
+    """The sky that a world is alone, and its strength; or None."""
+    found, strength = background_of(output)
+    # The coordinates are no input where the node has the disc.
+    if found is None or found.type != "TEX_SKY" or any(each.is_linked for each in found.inputs) or not is_plain(found.texture_mapping):
+        return None
+    sky = skies.of_node(found)
+    return None if sky is None else (sky, strength)
+
+
+def background_of(output):
+    """The node that alone gives the colour of a world's background, and the strength; or None and 0."""
+    end = sole(output.inputs["Surface"])
+    if end is None or end.type != "BACKGROUND" or end.inputs["Strength"].is_linked:
+        return None, 0.0
+    return sole(end.inputs["Color"]), max(end.inputs["Strength"].default_value, 0.0)
+
+
+def is_plain(mapping):
+    """Whether the mapping within a texture node changes nothing."""
+    return tuple(mapping.rotation) == (0, 0, 0) and tuple(mapping.scale) == (1, 1, 1) and tuple(mapping.translation) == (0, 0, 0)
 
 
 def sole(socket):
-    """The node that feeds a socket directly, if it is not muted."""
-    link = socket.links[0] if socket.is_linked else None
-    return link.from_node if link and not link.is_muted and not link.from_node.mute else None
+    """The node that feeds a socket directly, or None."""
+    found = fed_by(socket)
+    return found and found[0]

@@ -235,6 +235,24 @@ def mist_motion_and_occlusion_are_those_of_cycles():
 
 
 @check
+def motion_of_shapes_is_that_of_cycles():
+    if not has_openexr("motion of shapes beside Cycles'"):
+        return
+    start()
+    SCENES["bending"]()
+    bpy.context.scene.render.use_motion_blur = False
+    bpy.context.view_layer.use_pass_vector = True
+    ours, theirs = layers("GNURT", 64), layers("CYCLES", 64)
+    for letter in "XYZW":
+        a, b = ours[f"Vector.{letter}"], theirs[f"Vector.{letter}"]
+        assert (np.abs(a - b) < 0.1 + 0.02 * np.abs(b)).mean() > 0.93, f"Vector.{letter}: {np.abs(a - b).max()} apart"
+        # Where both are inside: a pixel at an edge holds one sample.
+        moving = (np.abs(b) > 1) & (np.abs(a) > 1)
+        assert letter in "XZ" or moving.sum() > 300, f"Vector.{letter}: nothing moves"
+        assert abs(a[moving].mean() / b[moving].mean() - 1) < 0.03 if moving.sum() > 300 else True, f"Vector.{letter}: {a[moving].mean()} beside {b[moving].mean()}"
+
+
+@check
 def mattes_are_those_of_cycles():
     if not has_openexr("mattes beside Cycles'"):
         return

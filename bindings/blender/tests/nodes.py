@@ -5,6 +5,8 @@ A setting is a dict: names of inputs (identifiers) or properties and their value
 a text with `@` links an input: `@Object` to texture coordinates, `@u`, `@v` to their parts, `@color` to a colour of them.
 """
 
+import math
+
 CASES = {}
 
 
@@ -170,3 +172,9 @@ case(
 )
 case("environment texture", "ShaderNodeTexEnvironment", *each("projection", ["EQUIRECTANGULAR", "MIRROR_BALL"], image=True), Vector=OBJECT)
 case("preetham", "ShaderNodeTexSky", *each("sun_direction", [(0.3, -0.5, 0.8), (0.7, 0.2, 0.3)], sky_type="PREETHAM", turbidity=3.0), Vector=OBJECT)
+for name, kind in (("sky of single scattering", "SINGLE_SCATTERING"), ("sky of multiple scattering", "MULTIPLE_SCATTERING")):
+    case(
+        name, "ShaderNodeTexSky", {}, *each("sun_elevation", [math.radians(x) for x in (2, 45, 80)]), {"altitude": 3000.0}, *each("air_density", [0.0, 3.0]),
+        *each("aerosol_density", [0.0, 3.0]), *each("ozone_density", [0.0, 3.0]), {"sun_elevation": 0.1, "sun_rotation": 2.0},
+        sky_type=kind, sun_disc=False, Vector=OBJECT,
+    )

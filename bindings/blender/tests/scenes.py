@@ -226,6 +226,81 @@ def textured():
     lit()
 
 
+def saved(folder, *names):
+    """Files of pictures of noise in a folder, each brighter than the one before."""
+    import os
+
+    for seed, name in enumerate(names):
+        image = picture(f"made {name}", 16, 16, seed + 20)
+        values = np.empty(16 * 16 * 4, np.float32)
+        image.pixels.foreach_get(values)
+        values = values.reshape(-1, 4)
+        values[:, :3] *= (seed + 1) / len(names)
+        image.pixels.foreach_set(values.ravel())
+        image.filepath_raw, image.file_format = os.path.join(folder, name), "PNG"
+        image.save()
+        bpy.data.images.remove(image)
+
+
+@scene
+def tiles():
+    """Tiles of an image by unit squares of the coordinates; one square has none."""
+    import tempfile
+
+    folder = tempfile.mkdtemp()
+    saved(folder, "skin.1001.png", "skin.1002.png", "skin.1011.png")
+    image = bpy.data.images.load(f"{folder}/skin.1001.png")
+    image.source, image.filepath = "TILED", f"{folder}/skin.<UDIM>.png"
+    for number in (1002, 1011):
+        image.tiles.new(number)
+    made = material("tiles", "ShaderNodeBsdfDiffuse")
+    linked(made, "ShaderNodeTexImage", "Color", image=image)
+    wall = shape("plane", (0, 1, 1.5), made, size=3)
+    wall.rotation_euler = (math.pi / 2, 0, 0)
+    for layer in wall.data.uv_layers:
+        for corner in layer.uv:
+            corner.vector = corner.vector * 2
+    floor()
+    lit()
+    image.pack()
+
+
+@scene
+def sequence():
+    """Frames of a sequence, one that repeats and one that stops at its end."""
+    import tempfile
+
+    folder = tempfile.mkdtemp()
+    saved(folder, *(f"film{number:03}.png" for number in range(1, 7)))
+    floor()
+    for x, cyclic in ((-1.3, True), (1.3, False)):
+        image = bpy.data.images.load(f"{folder}/film001.png", check_existing=False)
+        image.source = "SEQUENCE"
+        made = material("film", "ShaderNodeBsdfDiffuse")
+        node = linked(made, "ShaderNodeTexImage", "Color", image=image)
+        user = node.image_user
+        user.frame_duration, user.frame_start, user.frame_offset, user.use_cyclic = 4, 2, 1, cyclic
+        user.use_auto_refresh = True
+        shape("cube", (x, 0, 0.8), made, size=1.6)
+    lit()
+    bpy.context.scene.frame_set(8)
+
+
+@scene
+def portal():
+    """A room whose window a portal marks: it shines no light."""
+    white = material("white", "ShaderNodeBsdfDiffuse", Color=0.7)
+    for where, scale, size in (((0, 0, 0), (1, 1, 1), 6), ((0, 0, 3), (1, 1, 1), 6), ((0, 3, 1.5), (1, 0.02, 0.5), 6), ((-3, 0, 1.5), (0.02, 1, 0.5), 6)):
+        shape("cube", where, white, size=size).scale = (*scale[:2], scale[2] if len({*scale}) > 1 else 0.01)
+    for y in (-2.1, 2.1):
+        shape("cube", (3, y, 1.5), white, size=1.8).scale = (0.05, 1, 1.7)
+    window = light("AREA", (2.9, 0, 1.5), 10, (0, 0, 1.5), shape="RECTANGLE", size=2.4, size_y=3)
+    window.data.cycles.is_portal = True
+    shape("uv_sphere", (0, 0.5, 0.8), material("ball", "ShaderNodeBsdfDiffuse", Color=(0.7, 0.4, 0.2)), True, radius=0.8)
+    camera((0, -8, 1.6), (0, 0, 1.4), 35)
+    background(1.0)
+
+
 @scene
 def bumps():
     rough = material("bump", "ShaderNodeBsdfDiffuse", Color=(0.7, 0.6, 0.5))
@@ -405,6 +480,63 @@ def sky_preetham():
     camera((0, -7, 2.6), (0, 0, 0.9), 35)
 
 
+def sky(kind, elevation, strength, **settings):
+    """Balls and a box below a Sky Texture, whose node is returned."""
+    floor()
+    shape("uv_sphere", (-1.6, 0, 0.9), material("m", "ShaderNodeBsdfDiffuse", Color=0.7), True, radius=0.9)
+    shape("uv_sphere", (1.6, 0, 0.9), material("g", Base_Color=(0.8, 0.8, 0.8), Metallic=1, Roughness=0.4), True, radius=0.9)
+    shape("cube", (0, 0.6, 0.6), material("c", Base_Color=(0.6, 0.3, 0.2), Roughness=0.5), size=1.2)
+    node = background(1.0)
+    node.inputs["Strength"].default_value = strength
+    tree = bpy.context.scene.world.node_tree
+    made = tree.nodes.new("ShaderNodeTexSky")
+    made.sky_type, made.sun_elevation, made.sun_rotation = kind, math.radians(elevation), math.radians(200)
+    for name, value in settings.items():
+        setattr(made, name, value)
+    tree.links.new(made.outputs[0], node.inputs["Color"])
+    camera((0, -7, 2.2), (0, 0, 1.1), 32)
+    return made
+
+
+@scene
+def sky_single():
+    sky("SINGLE_SCATTERING", 45, 0.1, sun_disc=False)
+
+
+@scene
+def sky_single_sun():
+    sky("SINGLE_SCATTERING", 15, 0.05, aerosol_density=3.0)
+
+
+@scene
+def sky_multiple():
+    sky("MULTIPLE_SCATTERING", 15, 0.1, sun_disc=False)
+
+
+@scene
+def sky_multiple_sun():
+    """The node as it is made, but for the sun's height: the disc is a light."""
+    sky("MULTIPLE_SCATTERING", 30, 0.03)
+
+
+@scene
+def sky_evening():
+    """The sun in view, near the horizon, from a mountain."""
+    sky("MULTIPLE_SCATTERING", 2, 0.2, altitude=3000, sun_size=math.radians(3), sun_intensity=0.5, sun_rotation=math.radians(-12))
+
+
+@scene
+def sky_mixed():
+    """A sky that is not the world alone: the disc is in its picture."""
+    node = sky("MULTIPLE_SCATTERING", 40, 0.03, sun_size=math.radians(4))
+    tree = bpy.context.scene.world.node_tree
+    tint = tree.nodes.new("ShaderNodeMix")
+    tint.data_type, tint.blend_type = "RGBA", "MULTIPLY"
+    tint.inputs[0].default_value, tint.inputs[7].default_value = 1.0, (1, 0.8, 0.6, 1)
+    tree.links.new(node.outputs[0], tint.inputs[6])
+    tree.links.new(tint.outputs[2], next(n for n in tree.nodes if n.type == "BACKGROUND").inputs["Color"])
+
+
 @scene
 def orthographic():
     stage()
@@ -477,6 +609,40 @@ def transparent_film():
     bpy.context.scene.render.film_transparent = True
 
 
+def catching(transparent):
+    """The floor and the cube catch the shadows of a ball and a ring, coloured by two lamps."""
+    stage()
+    light("AREA", (2, -4, 6), 400, size=2, color=(1, 0.7, 0.5))
+    light("POINT", (-3, -3, 3), 200, shadow_soft_size=0.1, color=(0.5, 0.7, 1))
+    background(0.4, 0.5, 0.7)
+    bpy.data.objects["Plane"].is_shadow_catcher = True
+    bpy.context.scene.render.film_transparent = transparent
+
+
+@scene
+def shadow_catcher():
+    catching(False)
+
+
+@scene
+def shadow_catcher_and_motion():
+    catching(False)
+    bpy.context.scene.render.use_motion_blur, bpy.context.scene.render.motion_blur_shutter = True, 1.0
+    ball = bpy.data.objects["Sphere"]
+    for frame, x in ((0, 0.4), (2, 2.0)):
+        ball.location.x = x
+        ball.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def shadow_catcher_alone():
+    """Without the background: shadows are opacity."""
+    catching(True)
+    bpy.data.objects["Cube"].is_shadow_catcher = True
+
+
 @scene
 def holdout():
     stage()
@@ -493,6 +659,24 @@ def light_nodes():
     lamp.data.use_nodes = True
     shader = next(n for n in lamp.data.node_tree.nodes if n.type == "EMISSION")
     shader.inputs["Color"].default_value, shader.inputs["Strength"].default_value = (1, 0.4, 0.2, 1), 0.7
+
+
+@scene
+def falloffs():
+    """Points and a spot whose light falls less, or not at all, with the distance."""
+    stage()
+    for kind, where, name, strength, settings in (
+        ("POINT", (-2, -2, 3), "Linear", 40.0, {"shadow_soft_size": 0.0}),
+        ("POINT", (2.5, -2, 2), "Quadratic", 150.0, {"shadow_soft_size": 0.2, "color": (1, 0.7, 0.4)}),
+        ("SPOT", (0, -3, 4), "Constant", 12.0, {"shadow_soft_size": 0.1, "spot_size": 0.9}),
+    ):
+        lamp = light(kind, where, 1.0, **settings)
+        lamp.data.use_nodes = True
+        tree = lamp.data.node_tree
+        node = tree.nodes.new("ShaderNodeLightFalloff")
+        node.inputs["Strength"].default_value = strength
+        node.inputs["Smooth"].default_value = 0.0 if name == "Linear" else 2.0
+        tree.links.new(node.outputs[name], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Strength"])
 
 
 @scene

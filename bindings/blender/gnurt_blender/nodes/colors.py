@@ -31,6 +31,6 @@ def invert(p):
 
 @node("LIGHT_FALLOFF")
 def light_falloff(p):
-    p.warn("falloffs other than the square of the distance are not shown")
+    p.warn("only falloffs of points and spots are shown, directly below their Emission nodes")
     strength = p.var("float", p.f("Strength"))
     return {name: ("float", strength) for name in ("Quadratic", "Linear", "Constant")}

@@ -67,6 +67,11 @@ def mirror(p, n, f0, f90):
     return f"b_schlick({f0}, {f90}, {n}, I) * reflection({n})"
 
 
+def between_facets(p):
+    """The named argument of closures for light between facets: in Cycles it leaves as light of one bounce, or is lost."""
+    return f', "multiscatter", {1 if p.distribution == "MULTI_GGX" else 2}'
+
+
 def film_of(p):
     """The named arguments of a thin film."""
     if p.is_constant("Thin Film Thickness", 0.0) or p.socket("Thin Film Thickness") is None:
@@ -99,7 +104,7 @@ def glossy(p):
     elif FACETS[p.distribution] == "beckmann":
         made = f'{color} * microfacet("beckmann", {n}, {tangent}, {along}, {across}, 0.0, 0)'
     else:
-        made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {color}, {color}, 5.0, "ggx")'
+        made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {color}, {color}, 5.0, "ggx"{between_facets(p)})'
     return {"BSDF": ("closure color", made)}
 
 
@@ -111,12 +116,12 @@ def metallic(p):
         p.need("surfaces")
         base, edge = p.var("color", f"clamp({p.c('Base Color')}, color(0), color(1))"), p.var("color", f"clamp({p.c('Edge Tint')}, color(0), color(1))")
         seen = p.var("color", f"b_f82({base}, {edge}, {n}, I)")
-        made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {seen}, {seen}, 5.0, "ggx"{film_of(p)})'
+        made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {seen}, {seen}, 5.0, "ggx"{film_of(p)}{between_facets(p)})'
         if is_mirror(p) and not film_of(p):
             made = mirror(p, n, seen, seen)
     else:
         eta, k = p.var("color", f"color({p.v('IOR')})"), p.var("color", f"color({p.v('Extinction')})")
-        made = f'conductor_bsdf({n}, {tangent}, {along}, {across}, {eta}, {k}, "ggx"{film_of(p)})'
+        made = f'conductor_bsdf({n}, {tangent}, {along}, {across}, {eta}, {k}, "ggx"{film_of(p)}{between_facets(p)})'
     return {"BSDF": ("closure color", made)}
 
 
@@ -316,7 +321,7 @@ def principled(p):
         f90 = "color(1)"
         if not p.is_constant("Specular Tint", 1.0):
             metal_base = f90 = p.var("color", f"b_f82({metal_base}, {edge}, {n}, I)")
-        made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {metal_base}, {f90}, 5.0, "ggx"{film})'
+        made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {metal_base}, {f90}, 5.0, "ggx"{film}{between_facets(p)})'
         if is_mirror(p) and not film:
             made = mirror(p, n, metal_base, f90)
         parts.append(f"{metal} * {closure(p, made)}")

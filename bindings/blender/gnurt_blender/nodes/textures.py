@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that read pictures: images by every projection, and surroundings."""
 
+from .. import skies
 from .tree import node, number
 
 WRAPS = {"REPEAT": "periodic", "EXTEND": "clamp", "CLIP": "clamp", "MIRROR": "mirror"}
@@ -8,7 +9,23 @@ MISSING = "color(1, 0, 1)"
 
 
 def read(p, name, uv, color, alpha, extension):
-    """A statement that reads a picture at a point without filtering, as Cycles does."""
+    """A statement that reads a picture at a point without filtering, as Cycles does; of tiles the one of the point's unit square."""
+    if not isinstance(name, dict):
+        read_one(p, name, uv, color, alpha, extension)
+        return
+    square = p.var("vector", f"vector(floor({uv}[0]), floor({uv}[1]), 0)")
+    number, inner = p.code.fresh(), p.var("vector", f"{uv} - {square}")
+    # Ten in a row; beyond them there is none.
+    p.code.line(f"int {number} = ({square}[0] < 0.0 || {square}[0] > 9.0) ? 0 : 1001 + int({square}[0]) + 10 * int({square}[1]);")
+    p.code.line(f"color {color} = {MISSING}; {alpha} = 1.0;")
+    for tile, picture in name.items():
+        own, own_alpha = p.code.fresh(), p.code.fresh()
+        p.code.line(f"if ({number} == {tile}) {{ float {own_alpha} = 1.0;")
+        read_one(p, picture, inner, own, own_alpha, extension)
+        p.code.line(f"{color} = {own}; {alpha} = {own_alpha}; }}")
+
+
+def read_one(p, name, uv, color, alpha, extension):
     name, is_coded, (width, height) = name
     wrap = WRAPS[extension]
 
@@ -59,8 +76,8 @@ def image_texture(p):
         from .inputs import uv
 
         at = p.mapped(uv(p.code, "") if p.code.kind == "surface" else p.generated())
-    name = p.code.texture(p.image)
-    if name is None:
+    name = p.code.tiles(p.image) if p.image.source == "TILED" else p.code.texture(p.image, p.image_user)
+    if not name:
         return {"Color": ("color", MISSING), "Alpha": ("float", "1.0")}
     at = p.var("vector", at)
     color, alpha = p.code.fresh(), p.code.fresh()
@@ -97,7 +114,7 @@ def environment_texture(p):
     p.need("projections")
     if p.image is None:
         return {"Color": ("color", "color(0)")}
-    name = p.code.texture(p.image)
+    name = p.code.texture(p.image, p.image_user)
     if name is None:
         return {"Color": ("color", MISSING)}
     if p.is_linked("Vector"):
@@ -114,19 +131,21 @@ def environment_texture(p):
 
 @node("TEX_SKY")
 def sky_texture(p):
+    at = p.mapped(p.v("Vector") if p.is_linked("Vector") else "vector(normalize(I))")
+    sky = skies.of_node(p.node)
+    if sky is not None:
+        p.need("projections")
+        name = p.code.made_texture(sky.key(), sky.picture_with_disc)
+        uv, color = p.var("vector", f"b_of_sky({at})"), p.code.fresh()
+        p.code.line(
+            f'color {color} = texture("{name}", {uv}[0], 1.0 - {uv}[1], 0.0, 0.0, 0.0, 0.0, "swrap", "periodic", "twrap", "clamp", "interp", "bilinear");'
+        )
+        return {"Color": ("color", color)}
     p.need("sky")
     if p.sky_type != "PREETHAM":
         p.warn(f"the sky of type {p.sky_type} is shown as Preetham's sky, without a sun disc")
-    at = p.mapped(p.v("Vector") if p.is_linked("Vector") else "vector(normalize(I))")
-    from math import cos, sin
-
-    if p.sky_type in {"PREETHAM", "HOSEK_WILKIE"}:
-        sun, turbidity = tuple(p.sun_direction), p.turbidity
-    else:
-        high, turn = p.sun_elevation, p.sun_rotation
-        sun, turbidity = (sin(turn) * cos(high), cos(turn) * cos(high), sin(high)), 2.2
-    direction = f"vector({', '.join(number(x) for x in sun)})"
-    return {"Color": ("color", f"b_preetham({at}, {direction}, {number(turbidity)})")}
+    direction = f"vector({', '.join(number(x) for x in p.sun_direction)})"
+    return {"Color": ("color", f"b_preetham({at}, {direction}, {number(p.turbidity)})")}
 
 
 @node("TEX_POINTDENSITY")

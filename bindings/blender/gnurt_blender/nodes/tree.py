@@ -91,14 +91,27 @@ class Code:
         known = self.attributes.setdefault((kind, name), f"a{len(self.attributes)}_{re.sub(r'[^A-Za-z0-9]', '_', name)[:40]}")
         return known
 
-    def texture(self, image, colorspace=None):
-        """The name of an image in the shader, whether its values are coded as sRGB, and its size; or None."""
-        found = self.host.image(image, colorspace)
+    def texture(self, image, user=None):
+        """The name of an image in the shader, whether its values are coded as sRGB, and its size; or None. `user` chooses a frame."""
+        return self._named(self.host.image(image, user))
+
+    def tiles(self, image):
+        """The same of the tiles of an image, by their numbers."""
+        return {number: self._named(found) for number, found in self.host.tiles(image).items()}
+
+    def _named(self, found):
         if found is None:
             return None
         name = f"image{found[0]}"
         self.textures[name] = found[0]
         return name, *found[1:]
+
+    def made_texture(self, key, make):
+        """The name of a picture in linear light that `make` returns, known by a key."""
+        number = self.host.made_image(key, make)
+        name = f"image{number}"
+        self.textures[name] = number
+        return name
 
     def text(self, name, result):
         """The whole shader; `result` is the closure or statement of its end."""
@@ -191,6 +204,12 @@ class Place:
         if own != ((0, 0, 0), (0, 0, 0), (1, 1, 1), "X", "Y", "Z"):
             self.warn("the mapping inside the texture node is not shown; use a Mapping node")
         return expression
+
+
+def fed_by(socket):
+    """The node and the identifier of its output that feed a socket directly, if neither the link nor the node is muted; or None."""
+    link = socket.links[0] if socket.is_linked else None
+    return None if link is None or link.is_muted or link.from_node.mute else (link.from_node, link.from_socket.identifier)
 
 
 def source(code, tree, socket, outer):

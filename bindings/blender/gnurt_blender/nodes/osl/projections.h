@@ -22,6 +22,11 @@ vector b_equirectangular(vector p)
     vector d = normalize(p);
     return vector(-atan2(d[1], d[0]) / M_2PI + 0.5, atan2(d[2], hypot(d[0], d[1])) / M_PI + 0.5, 0);
 }
+// In the picture of a sky: only the height of a vector counts beside its azimuth.
+vector b_of_sky(vector p)
+{
+    return vector(-atan2(p[1], p[0]) / M_2PI + 0.5, asin(clamp(p[2], -1.0, 1.0)) / M_PI + 0.5, 0);
+}
 vector b_mirror_ball(vector p)
 {
     vector d = normalize(p);
