@@ -62,6 +62,9 @@ pub enum Error {
         /// Bytes that may be taken.
         limit: u64,
     },
+    /// The caller makes no further part of the picture.
+    #[error("stopped before the picture was whole")]
+    Stopped,
     /// A picture whose parts do not fit together; the calling program's mistake.
     #[error("inconsistent picture: {0}")]
     Shape(String),

@@ -30,11 +30,11 @@ pub use compare::{Comparison, compare};
 pub use error::{Error, system_reason};
 pub use exposure::exposure_for;
 pub use file::{
-    ExrCompression, ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, Workers, WriteOptions, check_writable,
-    decode, decode_data_texture, decode_data_texture_within, decode_texture, decode_texture_within, encode,
-    encode_screen, encode_texels, encode_with, expecting_panics, expects_panics, open_regular, read,
-    read_data_texture, read_stored, read_texture, read_texture_with, read_with, replace_file,
-    replace_file_if, write,
+    ExrCompression, ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, Workers, WriteOptions, band_unit,
+    check_writable, decode, decode_data_texture, decode_data_texture_within, decode_texture,
+    decode_texture_within, encode, encode_screen, encode_texels, encode_with, expecting_panics,
+    expects_panics, open_regular, read, read_data_texture, read_stored, read_texture, read_texture_with,
+    read_with, replace_file, replace_file_if, write, write_bands,
 };
 pub use filter::{Filter, FilterShape};
 pub use flip::flip;

@@ -155,8 +155,9 @@ impl Picture {
         })
     }
 
-    /// The pixels with the background, as straight colour and opacity: the displayed ones.
-    pub(crate) fn on_screen(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
+    /// The pixels with the background, as straight colour and opacity: the displayed ones, row by row from the upper left
+    /// one, in linear light.
+    pub fn on_screen(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
         let background = self.background();
         self.color.iter().enumerate().map(move |(i, &[r, g, b, a])| {
             let a = background.map_or(a, |[.., behind]| {

@@ -24,6 +24,7 @@ use crate::many_lights::{self, Common, PersistentLights};
 use crate::mattes;
 use crate::motion::PictureHistory;
 use crate::options::RenderOptions;
+use crate::pixel_grid::PixelGrid;
 use crate::progress::Watch;
 use crate::sampler::{Sampler, SplitLight};
 use crate::shader_outputs;
@@ -133,6 +134,7 @@ impl Accumulation {
             && (options.aovs, options.heatmap) == (self.options.aovs, self.options.heatmap)
             && film::tile_size(&options) == film::tile_size(&self.options)
             && options.piece == self.options.piece
+            && options.rows == self.options.rows
             && options.light_layers == self.options.light_layers
             && options.mattes == self.options.mattes
         {
@@ -314,22 +316,23 @@ impl Accumulation {
     /// The mean of the samples so far, with the layers of the options; black and transparent where there is none.
     #[must_use]
     pub fn picture(&self) -> Picture {
-        let mut picture = self.colors();
+        let (mut picture, grid) = (self.colors(), PixelGrid::of(&self.options));
         if self.options.aovs {
-            layers::add_layers(&mut picture, &self.tiles);
+            layers::add_layers(&mut picture, &self.tiles, grid);
         }
-        mattes::add_mattes(&mut picture, &self.tiles, &self.options.mattes);
-        layers::add_light(&mut picture, &self.tiles, &self.options.light_layers, &self.kinds);
+        mattes::add_mattes(&mut picture, &self.tiles, grid, &self.options.mattes);
+        layers::add_light(&mut picture, &self.tiles, grid, &self.options.light_layers, &self.kinds);
         picture
     }
 
     /// As [`picture`](Self::picture), without layers.
     #[must_use]
     pub fn colors(&self) -> Picture {
-        let mut picture = Picture::new(self.options.width, self.options.height);
+        let grid = PixelGrid::of(&self.options);
+        let mut picture = Picture::new(grid.width, grid.height);
         for tile in &self.tiles {
-            for (i, [x, y]) in tile.pixels().enumerate() {
-                picture.color[y as usize * self.options.width as usize + x as usize] = tile.mean(i);
+            for (i, pixel) in tile.pixels().enumerate() {
+                picture.color[grid.at(pixel)] = tile.mean(i);
             }
         }
         picture
@@ -378,17 +381,17 @@ impl Accumulation {
     #[must_use]
     pub fn heatmap(&self) -> Option<Picture> {
         self.options.heatmap.then(|| {
-            let (width, height) = (self.options.width, self.options.height);
-            let mut costs = vec![0.0; width as usize * height as usize];
+            let grid = PixelGrid::of(&self.options);
+            let mut costs = vec![0.0; grid.count()];
             for tile in &self.tiles {
                 let per_sample = 1.0 / f64::from(tile.samples.max(1));
                 let [x0, y0, x1, y1] = tile.rect;
                 let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| [x, y]));
-                for ([x, y], &cost) in pixels.zip(&tile.costs) {
-                    costs[y as usize * width as usize + x as usize] = (cost as f64 * per_sample) as f32;
+                for (pixel, &cost) in pixels.zip(&tile.costs) {
+                    costs[grid.at(pixel)] = (cost as f64 * per_sample) as f32;
                 }
             }
-            heat_map(width, height, &costs)
+            heat_map(grid.width, grid.height, &costs)
         })
     }
 

@@ -110,6 +110,18 @@ pub enum RenderError {
         "interleaved pixels read their neighbours, which are in other pieces; render without one of the two"
     )]
     InterleavedPiece,
+    /// Rows that cannot be rendered alone.
+    #[error(
+        "rows {} to {} of {height} cannot be rendered alone: both are multiples of {unit}, or the last is the height; \
+         neither pieces nor interleaved pixels have rows",
+        rows[0], rows[1], unit = crate::options::BAND_UNIT
+    )]
+    NoSuchRows {
+        /// The first, and the one behind the last.
+        rows: [u32; 2],
+        /// Rows of the frame.
+        height: u32,
+    },
     /// Layers of light of an integrator that cannot divide its light.
     #[error(
         "layers of light, light groups and light path expressions are unsupported with the integrator {integrator}: \

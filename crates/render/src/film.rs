@@ -63,7 +63,7 @@ impl TileFilm {
     /// The parts of the tile grid in a region, and in the piece of the options.
     pub(crate) fn rects(region: [u32; 4], options: &RenderOptions) -> impl Iterator<Item = [u32; 4]> {
         let [x0, y0, x1, y1] = region;
-        let (size, piece) = (tile_size(options), options.piece);
+        let (size, piece, rows) = (tile_size(options), options.piece, options.rows);
         let starts = move |low: u32, high: u32| (low / size * size..high).step_by(size as usize);
         starts(y0, y1)
             .flat_map(move |y| starts(x0, x1).map(move |x| [x, y]))
@@ -71,6 +71,8 @@ impl TileFilm {
             .filter(move |(i, _)| {
                 piece.is_none_or(|Piece { index, count }| i % count as usize == index as usize)
             })
+            // Tiles lie within bands: their size divides `BAND_UNIT`.
+            .filter(move |&(_, [_, y])| rows.is_none_or(|[top, end]| (top..end).contains(&y)))
             .map(move |(_, [x, y])| [x.max(x0), y.max(y0), (x + size).min(x1), (y + size).min(y1)])
     }
 

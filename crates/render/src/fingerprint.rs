@@ -20,6 +20,7 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
         level: Level::Scalar,
         time_limit: None,
         piece: None,
+        rows: None,
         spp: if options.noise.is_some() { options.spp } else { 1 },
         ..options.clone()
     };

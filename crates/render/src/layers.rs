@@ -9,18 +9,19 @@ use gnurt_shading::OutputKind;
 use crate::aov::{FirstHit, TileAovs};
 use crate::expressions::LightLayer;
 use crate::film::TileFilm;
+use crate::pixel_grid::PixelGrid;
 
-/// One plane of a picture of this width and number of pixels, gathered from the tiles.
+/// One plane of a picture, gathered from the tiles.
 fn gathered<T: Copy>(
     tiles: &[TileFilm],
-    (width, pixels): (usize, usize),
+    grid: PixelGrid,
     background: T,
     value: impl Fn(&TileFilm, &TileAovs, usize) -> T,
 ) -> Vec<T> {
-    let mut plane = vec![background; pixels];
+    let mut plane = vec![background; grid.count()];
     for (tile, aovs) in tiles.iter().filter_map(|tile| Some((tile, tile.aovs.as_ref()?))) {
-        for (i, [x, y]) in tile.pixels().enumerate() {
-            plane[y as usize * width + x as usize] = value(tile, aovs, i);
+        for (i, pixel) in tile.pixels().enumerate() {
+            plane[grid.at(pixel)] = value(tile, aovs, i);
         }
     }
     plane
@@ -30,17 +31,17 @@ fn gathered<T: Copy>(
 pub(crate) fn add_light(
     picture: &mut Picture,
     tiles: &[TileFilm],
+    grid: PixelGrid,
     layers: &[LightLayer],
     kinds: &[OutputKind],
 ) {
-    let (width, pixels) = (picture.width as usize, picture.pixel_count());
     for (number, layer) in layers.iter().enumerate() {
-        let mut planes = [(); 3].map(|()| vec![0.0; pixels]);
+        let mut planes = [(); 3].map(|()| vec![0.0; grid.count()]);
         for tile in tiles {
             let scale = 1.0 / f64::from(tile.samples.max(1));
-            for (i, [x, y]) in tile.pixels().enumerate() {
+            for (i, pixel) in tile.pixels().enumerate() {
                 let sum = tile.light.get(number, i);
-                let at = y as usize * width + x as usize;
+                let at = grid.at(pixel);
                 (0..3).for_each(|k| planes[k][at] = (sum[k] * scale) as f32);
             }
         }
@@ -54,14 +55,12 @@ pub(crate) fn add_light(
 }
 
 /// Adds the layers of all tiles to the picture. The visible background is not opaque.
-pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
-    let width = picture.width as usize;
-    let pixels = picture.pixel_count();
+pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelGrid) {
     let plane = |value: &dyn Fn(&TileFilm, &TileAovs, usize) -> f32, background: f32| {
-        gathered(tiles, (width, pixels), background, value)
+        gathered(tiles, grid, background, value)
     };
     let ids = |value: &dyn Fn(&FirstHit) -> u32| {
-        gathered(tiles, (width, pixels), INVALID_ID, |_, aovs, i| value(&aovs.first[i]))
+        gathered(tiles, grid, INVALID_ID, |_, aovs, i| value(&aovs.first[i]))
     };
     let mean = |sum: f64, tile: &TileFilm| (sum / f64::from(tile.samples.max(1))) as f32;
     let albedo = |c: usize| plane(&|tile, aovs, i| mean(aovs.albedo[i][c], tile), 0.0);

@@ -159,6 +159,10 @@ pub struct RenderOptions {
     /// Render only the tiles of this piece. Not for interleaved pixels, which read their neighbours. `None` =
     /// all.
     pub piece: Option<Piece>,
+    /// Render only these rows of the frame, from the first to the one before the second; the picture has no others. The
+    /// first is a multiple of [`BAND_UNIT`], and so is the second unless it is the height. Their pixels are those of the
+    /// whole picture. Not with `piece`, nor for interleaved pixels. `None` = all.
+    pub rows: Option<[u32; 2]>,
 }
 
 impl Default for RenderOptions {
@@ -187,6 +191,7 @@ impl Default for RenderOptions {
             mattes: Mattes::default(),
             heatmap: false,
             piece: None,
+            rows: None,
         }
     }
 }
@@ -230,9 +235,24 @@ impl RenderOptions {
                 return Err(RenderError::InterleavedPiece);
             }
         }
+        if let Some(rows) = self.rows {
+            let [top, end] = rows;
+            let is_aligned = top % BAND_UNIT == 0 && (end % BAND_UNIT == 0 || end == self.height);
+            if top >= end
+                || end > self.height
+                || !is_aligned
+                || self.piece.is_some()
+                || self.pattern().is_some()
+            {
+                return Err(RenderError::NoSuchRows { rows, height: self.height });
+            }
+        }
         Ok(clipped)
     }
 }
+
+/// Bands of rows begin at multiples of this: the grid of tiles of all integrators.
+pub const BAND_UNIT: u32 = 32;
 
 /// No pattern is wider: its tiles would be few.
 const WIDEST: u32 = 7;

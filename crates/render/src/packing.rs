@@ -31,7 +31,7 @@ pub fn rendered_rects(options: &RenderOptions) -> Result<Vec<[u32; 4]>, RenderEr
 /// # Errors
 /// As [`rendered_rects`].
 pub fn empty_picture(options: &RenderOptions) -> Result<Picture, RenderError> {
-    let options = RenderOptions { aovs: true, heatmap: false, piece: None, ..options.clone() };
+    let options = RenderOptions { aovs: true, heatmap: false, piece: None, rows: None, ..options.clone() };
     Ok(Accumulation::new(options)?.picture())
 }
 

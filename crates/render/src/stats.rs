@@ -55,7 +55,7 @@ impl RenderStats {
     }
 
     /// Adds the counters of another tile.
-    pub(crate) fn add(&mut self, other: &Self) {
+    pub fn add(&mut self, other: &Self) {
         self.camera_rays += other.camera_rays;
         self.shadow_rays += other.shadow_rays;
         self.secondary_rays += other.secondary_rays;

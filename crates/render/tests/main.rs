@@ -6,6 +6,7 @@
 mod accumulation;
 mod agreement;
 mod appearance;
+mod bands;
 mod bumps;
 mod checkpoint;
 mod commit;

@@ -3,6 +3,7 @@
 //! Help texts, messages, the Python package and docs/reference/formats.md list formats from the table of them (`table.rs`).
 //! Tests: `table.rs`.
 
+use super::bands::BandWriter;
 use super::options::{ALONE, Workers, WriteOptions};
 use super::source::Source;
 use crate::{Budget, Error, Picture, Stored, StoredValues, Texels};
@@ -27,6 +28,8 @@ pub struct PictureFormat {
     pub(super) signature: Signature,
     pub(super) read: Readers,
     pub(super) write: Option<Encode>,
+    /// Its writer of pictures larger than memory.
+    pub(super) bands: Option<BandWriter>,
 }
 
 /// The mark by which a format's files are recognised.

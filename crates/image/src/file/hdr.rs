@@ -36,6 +36,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
         stored: None,
     },
     write: Some(|picture, _, _| Ok(encode(picture))),
+    bands: None,
 };
 
 fn encode(picture: &Picture) -> Vec<u8> {

@@ -5,6 +5,7 @@
 //! before memory is taken, and the memory against the final size (`limits`); a failed write changes nothing.
 //! Tests: `tests` (crate folder `tests/`): round trips, truncation at every length, corruption of every byte.
 
+mod bands;
 mod exr;
 mod format;
 mod guard;
@@ -30,6 +31,7 @@ use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
+pub use bands::{band_unit, write_bands};
 pub use format::PictureFormat;
 pub use guard::{expecting_panics, expects_panics};
 pub use limits::MAX_PIXELS;

@@ -3,8 +3,12 @@
 //! From the PNG specification, third edition. In: linear light. Out: straight opacity. Invariants: the same picture gives
 //! the same bytes (no time, no metadata but the program's name); NaN becomes 0. Tests: `tests/round_trip.rs`.
 
+use std::fs::File;
+use std::io::{BufWriter, Write};
+
+use super::bands::{BandWriter, Bands};
 use super::format::{PictureFormat, Signature};
-use super::options::WriteOptions;
+use super::options::{Workers, WriteOptions};
 use super::raster;
 use crate::{Error, Picture, TexelData, Texels, screen_bytes, srgb};
 
@@ -20,19 +24,52 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     signature: Signature::Head(|head| head.starts_with(b"\x89PNG\r\n\x1a\n")),
     read: raster::PNG,
     write: Some(|picture, options, _| encode(picture, options)),
+    bands: Some(BandWriter { unit: |_| Ok(1), write: write_bands }),
 };
 
 fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+    let meaning = Some(png::SrgbRenderingIntent::RelativeColorimetric);
+    let size = [picture.width, picture.height];
+    let (depth, compression) = (depth(options), png::Compression::default());
+    encode_with(size, png::ColorType::Rgba, depth, compression, meaning, &pixels(picture, options))
+}
+
+/// Row after row, in the compression of [`encode`].
+fn write_bands(file: &mut File, bands: &mut Bands, options: &WriteOptions, _: Workers) -> Result<(), Error> {
+    let [width, height] = bands.size;
+    let meaning = Some(png::SrgbRenderingIntent::RelativeColorimetric);
+    let file = BufWriter::new(file);
+    let encoder = encoder(
+        file,
+        [width, height],
+        png::ColorType::Rgba,
+        depth(options),
+        png::Compression::default(),
+        meaning,
+    );
+    let mut header = encoder.and_then(png::Encoder::write_header).map_err(|error| bands.failed(&error))?;
+    let mut writer = header.stream_writer().map_err(|error| bands.failed(&error))?;
+    while let Some((_, band)) = bands.next()? {
+        writer.write_all(&pixels(&band, options)).map_err(|error| bands.failed(&error))?;
+    }
+    writer.finish().map_err(|error| bands.failed(&error))
+}
+
+fn depth(options: &WriteOptions) -> png::BitDepth {
+    if options.png_16_bits { png::BitDepth::Sixteen } else { png::BitDepth::Eight }
+}
+
+/// The numbers of all pixels.
+fn pixels(picture: &Picture, options: &WriteOptions) -> Vec<u8> {
     if options.png_16_bits {
-        return encode_wide(picture, options);
+        return wide_pixels(picture, options);
     }
     let bytes = |color| screen_bytes(color, options.tone, options.exposure);
-    let pixels: Vec<u8> = picture.on_screen().flat_map(bytes).collect();
-    encode_bytes([picture.width, picture.height], png::ColorType::Rgba, png::Compression::default(), &pixels)
+    picture.on_screen().flat_map(bytes).collect()
 }
 
 /// With 16 bits for each channel.
-fn encode_wide(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+fn wide_pixels(picture: &Picture, options: &WriteOptions) -> Vec<u8> {
     let gain = options.exposure.exp2();
     // `as` saturates and turns NaN into 0.
     let wide = |value: f32| ((value * 65535.0 + 0.5) as u16).to_be_bytes();
@@ -40,11 +77,7 @@ fn encode_wide(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Err
         let [r, g, b] = options.tone.apply_rgb([r * gain, g * gain, b * gain]).map(srgb::encode);
         [r, g, b, a].map(wide)
     };
-    let pixels: Vec<u8> = picture.on_screen().flat_map(texel).flatten().collect();
-    let meaning = Some(png::SrgbRenderingIntent::RelativeColorimetric);
-    let size = [picture.width, picture.height];
-    let compression = png::Compression::default();
-    encode_with(size, png::ColorType::Rgba, png::BitDepth::Sixteen, compression, meaning, &pixels)
+    picture.on_screen().flat_map(texel).flatten().collect()
 }
 
 /// The bytes of the PNG file of a screen of that many columns and rows, row by row from the upper left pixel; pixels are
@@ -69,7 +102,7 @@ fn encode_bytes(
 }
 
 fn encode_with(
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     channels: png::ColorType,
     depth: png::BitDepth,
     compression: png::Compression,
@@ -77,19 +110,31 @@ fn encode_with(
     pixels: &[u8],
 ) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    let written = encoder(&mut bytes, size, channels, depth, compression, meaning)
+        .and_then(png::Encoder::write_header)
+        .and_then(|mut writer| writer.write_image_data(pixels).and_then(|()| writer.finish()));
+    written.map_err(|error| Error::Shape(format!("it does not fit a PNG: {error}")))?;
+    Ok(bytes)
+}
+
+/// The beginning of a file.
+fn encoder<W: Write>(
+    file: W,
+    [width, height]: [u32; 2],
+    channels: png::ColorType,
+    depth: png::BitDepth,
+    compression: png::Compression,
+    meaning: Option<png::SrgbRenderingIntent>,
+) -> Result<png::Encoder<'static, W>, png::EncodingError> {
+    let mut encoder = png::Encoder::new(file, width, height);
     encoder.set_color(channels);
     encoder.set_depth(depth);
     encoder.set_compression(compression);
     if let Some(intent) = meaning {
         encoder.set_source_srgb(intent);
     }
-    let written = encoder
-        .add_text_chunk("Software".into(), crate::SOFTWARE.into())
-        .and_then(|()| encoder.write_header())
-        .and_then(|mut writer| writer.write_image_data(pixels).and_then(|()| writer.finish()));
-    written.map_err(|error| Error::Shape(format!("it does not fit a PNG: {error}")))?;
-    Ok(bytes)
+    encoder.add_text_chunk("Software".into(), crate::SOFTWARE.into())?;
+    Ok(encoder)
 }
 
 /// The bytes of a texture's PNG file, 8 or 16 bits per channel as its values need. Bytes stay the bytes that they are;

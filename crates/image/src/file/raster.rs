@@ -76,6 +76,7 @@ const READ_ONLY: PictureFormat = PictureFormat {
     signature: Signature::Head(|_| false),
     read: PNG,
     write: None,
+    bands: None,
 };
 
 /// The format.

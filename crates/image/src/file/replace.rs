@@ -4,6 +4,7 @@
 //! unchanged and no new one is left; the file's permissions are those of the old one, or the umask's.
 //! Tests: `tests`.
 
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -37,11 +38,22 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// # Errors
 /// As [`replace_file`].
 pub fn replace_file_if(path: &Path, bytes: &[u8], is_wanted: impl FnOnce() -> bool) -> Result<bool, Error> {
+    let write =
+        |file: &mut File| file.write_all(bytes).map_err(|e| Error::file(path, "cannot be written", &e));
+    replace_by(path, write, is_wanted)
+}
+
+/// As [`replace_file_if`] for what `write` writes.
+pub(super) fn replace_by(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> Result<(), Error>,
+    is_wanted: impl FnOnce() -> bool,
+) -> Result<bool, Error> {
     let failed = |what: &str, error: &std::io::Error| Error::file(path, what, error);
     let target = follow_links(path)?;
     check_target(path, &target)?;
     let mut temporary = temporary_beside(path, &target)?;
-    temporary.write_all(bytes).map_err(|e| failed("cannot be written", &e))?;
+    write(temporary.as_file_mut())?;
     if let Ok(old) = std::fs::metadata(&target) {
         let keep = temporary.as_file().set_permissions(old.permissions());
         keep.map_err(|e| failed("cannot keep the file's permissions", &e))?;
@@ -114,7 +126,7 @@ fn folder_of(path: &Path) -> &Path {
 
 /// Makes the new name last through a power cut where the system can; the file itself is already safe.
 fn sync_folder(target: &Path) {
-    if let Ok(folder) = std::fs::File::open(folder_of(target)) {
+    if let Ok(folder) = File::open(folder_of(target)) {
         // Some file systems cannot sync folders; the picture is written all the same.
         let _ = folder.sync_all();
     }

@@ -47,6 +47,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
         stored: Some(stored),
     },
     write: None,
+    bands: None,
 };
 
 fn library_error(error: tiff::TiffError) -> Error {

@@ -7,17 +7,17 @@ use gnurt_image::{Layer, Picture};
 
 use super::kinds::Mattes;
 use crate::film::TileFilm;
+use crate::pixel_grid::PixelGrid;
 
 /// Adds the layers of all tiles.
-pub(crate) fn add_mattes(picture: &mut Picture, tiles: &[TileFilm], mattes: &Mattes) {
-    let (width, pixels) = (picture.width as usize, picture.pixel_count());
+pub(crate) fn add_mattes(picture: &mut Picture, tiles: &[TileFilm], grid: PixelGrid, mattes: &Mattes) {
     for (kind, which) in mattes.kinds.iter().enumerate() {
         let count = mattes.layers() as usize;
-        let mut planes = vec![vec![0.0_f32; pixels]; 4 * count];
+        let mut planes = vec![vec![0.0_f32; grid.count()]; 4 * count];
         for tile in tiles.iter().filter(|tile| tile.samples > 0) {
             let scale = 1.0 / f64::from(tile.samples);
-            for (i, [x, y]) in tile.pixels().enumerate() {
-                let at = y as usize * width + x as usize;
+            for (i, pixel) in tile.pixels().enumerate() {
+                let at = grid.at(pixel);
                 for (rank, (id, weight)) in
                     tile.mattes.ranked(kind, i).into_iter().take(2 * count).enumerate()
                 {

@@ -89,7 +89,11 @@ impl PictureHistory {
     #[must_use]
     pub fn suits(world: &World, camera: &dyn CameraShader, options: &RenderOptions) -> bool {
         let by_chance = options.integrator == Integrator::Path || options.integrator.has_virtual_lights();
-        let is_plain = !options.aovs && !options.heatmap && options.crop.is_none() && options.piece.is_none();
+        let is_plain = !options.aovs
+            && !options.heatmap
+            && options.crop.is_none()
+            && options.piece.is_none()
+            && options.rows.is_none();
         by_chance && is_plain && world.pixel().is_none() && !world.is_open() && {
             let [eye, forward] = crate::job::middle(camera, options);
             camera.project(eye + forward, options.width as f32 / options.height as f32).is_some()

@@ -5,6 +5,7 @@
 mod read;
 mod write;
 
+use super::bands::BandWriter;
 use super::format::{PictureFormat, Readers, Signature};
 
 /// The format.
@@ -19,4 +20,5 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     signature: Signature::Head(|head| head.starts_with(&[0x76, 0x2f, 0x31, 0x01])),
     read: Readers { picture: read::decode, texels: None, stored: Some(read::stored) },
     write: Some(write::encode),
+    bands: Some(BandWriter { unit: write::rows_of_blocks, write: write::write_bands }),
 };

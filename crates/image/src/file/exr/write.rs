@@ -7,19 +7,23 @@
 //! finite in half precision; the bytes do not depend on the workers. Tests: `tests/round_trip.rs`.
 
 use std::collections::HashSet;
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{BufWriter, Cursor, Write};
+use std::mem::discriminant;
 use std::sync::OnceLock;
 
 use exr::block::writer::ChunksWriter;
 use exr::block::{UncompressedBlock, enumerate_ordered_header_block_indices};
 use exr::image::write::layers::{LayersWriter, WritableLayers};
+use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    LineOrder, Text, Vec2,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, IntegerBounds, Layer,
+    LayerAttributes, LineOrder, Text, Vec2,
     attribute::{AttributeValue, Chromaticities},
 };
 use half::f16;
 
+use super::super::bands::Bands;
 use super::super::options::{ExrCompression, ExrPixels, Workers, WriteOptions};
 use crate::{BACKGROUND, Channel, ChannelData, Error, Picture};
 
@@ -73,6 +77,13 @@ pub(in crate::file) fn encode(
     options: &WriteOptions,
     workers: Workers,
 ) -> Result<Vec<u8>, Error> {
+    let image = image(picture, options)?;
+    write(&image, workers).map_err(|error| Error::Shape(format!("it does not fit an EXR: {error}")))
+}
+
+type FlatImage = Image<Layer<AnyChannels<FlatSamples>>>;
+
+fn image(picture: &Picture, options: &WriteOptions) -> Result<FlatImage, Error> {
     let (chromaticities, rows) = (options.exr_space.chromaticities(), options.exr_space.from_rec709());
     let converted = rows.map(|rows| {
         let mut converted = picture.clone();
@@ -90,31 +101,120 @@ pub(in crate::file) fn encode(
     let [red, green, blue] = chromaticities.primaries.map(point);
     let white = point(chromaticities.white);
     image.attributes.chromaticities = Some(Chromaticities { red, green, blue, white });
-    write(&image, workers).map_err(|error| Error::Shape(format!("it does not fit an EXR: {error}")))
+    Ok(image)
 }
 
 /// The bytes of a file.
-fn write(image: &Image<Layer<AnyChannels<FlatSamples>>>, workers: Workers) -> exr::error::Result<Vec<u8>> {
+fn write(image: &FlatImage, workers: Workers) -> exr::error::Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     let headers = image.layer_data.infer_headers(&image.attributes);
     exr::block::write(&mut bytes, headers, true, |meta, chunks| {
-        let pixels = image.layer_data.create_writer(&meta.headers);
-        let blocks: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
-        for some in blocks.chunks(BLOCKS_AT_ONCE) {
-            let compressed: Vec<OnceLock<_>> = some.iter().map(|_| OnceLock::new()).collect();
-            workers(some.len(), &|k| {
-                let (number, index) = some[k];
-                let data = pixels.extract_uncompressed_block(&meta.headers, index);
-                let block = UncompressedBlock { index, data };
-                compressed[k].get_or_init(|| (number, block.compress_to_chunk(&meta.headers)));
-            });
-            for (number, chunk) in compressed.into_iter().filter_map(OnceLock::into_inner) {
-                chunks.write_chunk(number, chunk?)?;
-            }
-        }
-        Ok(())
+        write_blocks(image, [0, 0], &meta.headers, chunks, workers).map(drop)
     })?;
     Ok(bytes.into_inner())
+}
+
+/// Writes the blocks of a picture, or of a band whose first row and first block within the file are given; returns
+/// the number of blocks.
+fn write_blocks(
+    image: &FlatImage,
+    [top, first]: [usize; 2],
+    file: &[Header],
+    chunks: &mut impl ChunksWriter,
+    workers: Workers,
+) -> exr::error::Result<usize> {
+    let headers = image.layer_data.infer_headers(&image.attributes);
+    let pixels = image.layer_data.create_writer(&headers);
+    let blocks: Vec<_> = enumerate_ordered_header_block_indices(&headers).collect();
+    for some in blocks.chunks(BLOCKS_AT_ONCE) {
+        let compressed: Vec<OnceLock<_>> = some.iter().map(|_| OnceLock::new()).collect();
+        workers(some.len(), &|k| {
+            let (number, mut index) = some[k];
+            let data = pixels.extract_uncompressed_block(&headers, index);
+            index.pixel_position.1 += top;
+            let block = UncompressedBlock { index, data };
+            compressed[k].get_or_init(|| (number, block.compress_to_chunk(file)));
+        });
+        for (number, chunk) in compressed.into_iter().filter_map(OnceLock::into_inner) {
+            chunks.write_chunk(first + number, chunk?)?;
+        }
+    }
+    Ok(blocks.len())
+}
+
+/// Rows of a block: bands begin at multiples of it.
+///
+/// # Errors
+/// [`Error::Shape`] if the precision depends on values of all bands.
+pub(in crate::file) fn rows_of_blocks(options: &WriteOptions) -> Result<u32, Error> {
+    if options.exr_pixels == ExrPixels::Fitting {
+        return Err(Error::Shape("an EXR in bands has half or float pixels, not those that fit".into()));
+    }
+    let Encoding { compression, blocks, .. } = encoding(options);
+    Ok(match blocks {
+        Blocks::ScanLines => compression.scan_lines_per_block() as u32,
+        Blocks::Tiles(Vec2(_, rows)) => rows as u32,
+    })
+}
+
+/// Writes a picture in bands.
+pub(in crate::file) fn write_bands(
+    file: &mut File,
+    bands: &mut Bands,
+    options: &WriteOptions,
+    workers: Workers,
+) -> Result<(), Error> {
+    let Some((_, first)) = bands.next()? else { return Ok(()) };
+    let [width, height] = bands.size.map(|size| size as usize);
+    let mut image = image(&first, options)?;
+    image.attributes.display_window = IntegerBounds::from_dimensions((width, height));
+    let mut headers = image.layer_data.infer_headers(&image.attributes);
+    for header in &mut headers {
+        let Header { compression, blocks, line_order, .. } = *header;
+        header.layer_size = Vec2(width, height);
+        *header = header.clone().with_encoding(compression, blocks, line_order);
+    }
+    let kinds = |image: &FlatImage| -> Vec<_> {
+        image
+            .layer_data
+            .channel_data
+            .list
+            .iter()
+            .map(|c| (c.name.clone(), discriminant(&c.sample_data)))
+            .collect()
+    };
+    let expected = kinds(&image);
+    // What the file library's closure cannot return.
+    let mut fault = None;
+    let mut out = BufWriter::new(file);
+    let written = exr::block::write(&mut out, headers, true, |meta, chunks| {
+        let mut blocks = write_blocks(&image, [0, 0], &meta.headers, chunks, workers)?;
+        loop {
+            let band = bands.next().and_then(|band| match band {
+                Some((top, band)) => Ok(Some((top, self::image(&band, options)?))),
+                None => Ok(None),
+            });
+            let (top, image) = match band {
+                Ok(Some(band)) => band,
+                Ok(None) => return Ok(()),
+                Err(error) => {
+                    fault = Some(error);
+                    return Err(exr::error::Error::Aborted);
+                }
+            };
+            if kinds(&image) != expected {
+                fault = Some(Error::Shape("a band has other layers than the first".into()));
+                return Err(exr::error::Error::Aborted);
+            }
+            blocks += write_blocks(&image, [top as usize, blocks], &meta.headers, chunks, workers)?;
+        }
+    });
+    match fault {
+        Some(fault) => Err(fault),
+        None => written
+            .map_err(|error| bands.failed(&error))
+            .and_then(|()| out.flush().map_err(|error| bands.failed(&error))),
+    }
 }
 
 fn channels(picture: &Picture, pixels: ExrPixels) -> Result<Vec<AnyChannel<FlatSamples>>, Error> {
