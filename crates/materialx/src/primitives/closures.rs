@@ -73,9 +73,15 @@ pub(crate) fn emit<'a>(g: &mut Generator<'a>, call: &Call<'a>) -> Result<Option<
             let [w, f0, f90, power] = all(g, call, names)?.map(|value| value.first().to_owned());
             let ([n, t, x, y, distribution], film) = facets(g, call)?;
             let [mirrored, through] = scattered(g, call, "color(1)")?;
-            if g.is_given(call, "color82") {
-                g.arg(call, "color82")?;
-            }
+            let (f0, f90) = if g.is_given(call, "color82") {
+                let f82 = g.arg(call, "color82")?.first().to_owned();
+                g.needs("gnurt_darkening_at_82");
+                let dark =
+                    g.name("color", &format!("gnurt_darkening_at_82({f0}, {f90}, {f82}, {power}, {n})"));
+                (format!("max({f0} - {dark}, color(0))"), format!("max({f90} - {dark}, color(0))"))
+            } else {
+                (f0, f90)
+            };
             format!(
                 "{w} * generalized_schlick_bsdf({n}, {t}, {mirrored}, {through}, {x}, {y}, {f0}, {f90}, {power}, \
                  {distribution}{film})"

@@ -199,6 +199,16 @@ color gnurt_edge_color(color f0, color f90, float power) {
 ",
     ),
     (
+        "gnurt_darkening_at_82",
+        "// What a tint at 82 degrees takes from Schlick's curve, at the view's angle.
+color gnurt_darkening_at_82(color f0, color f90, color f82, float power, vector n) {
+    float c = clamp(abs(dot(vector(n), normalize(I))), 0.0, 1.0);
+    color there = f0 + (f90 - f0) * pow(6.0 / 7.0, power);
+    return there * (1 - f82) * (c * pow(1 - c, 6) / (1.0 / 7.0 * pow(6.0 / 7.0, 6)));
+}
+",
+    ),
+    (
         "gnurt_artistic_ior",
         "void gnurt_artistic_ior(color reflectivity, color edge, output color n, output color k) {
     color r = clamp(reflectivity, color(0), color(0.99));
