@@ -9,6 +9,7 @@ use gnurt::image::{
     self, ChannelData, ExrPixels, Opacity, PictureFormat, ToneCurve, WriteOptions, exposure_for,
 };
 use gnurt::mattes;
+use gnurt::ocio::{Request, View};
 use gnurt::relight::{self, Gain};
 use gnurt::render::MatteKind;
 use pyo3::exceptions::{PyKeyError, PyOSError, PyTypeError, PyValueError};
@@ -239,8 +240,10 @@ impl Picture {
         shape(array.done().into_bound(py))
     }
 
-    /// Writes it: .png, .exr, .hdr or .pfm. Curve and exposure are for PNG; without an exposure one is chosen.
-    #[pyo3(signature = (path, *, tone=None, exposure=None, exact=false))]
+    /// Writes it: .png, .jpg, .webp, .exr, .hdr or .pfm. Curve and exposure are for the first three; without an exposure one is
+    /// chosen. `ocio` is a configuration of OpenColorIO, whose view replaces the curve: a file, or `ocio://default`.
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+    #[pyo3(signature = (path, *, tone=None, exposure=None, exact=false, ocio=None, display=None, view=None, looks=None))]
     fn save(
         &self,
         py: Python<'_>,
@@ -248,9 +251,39 @@ impl Picture {
         tone: Option<&str>,
         exposure: Option<f32>,
         exact: bool,
+        ocio: Option<PathBuf>,
+        display: Option<&str>,
+        view: Option<&str>,
+        looks: Option<&str>,
     ) -> PyResult<()> {
         let format = PictureFormat::from_path(&path).map_err(|error| image_error(&error))?;
         let mut options = self.display_rules(tone, exposure)?;
+        if let Some(config) = ocio {
+            if tone.is_some() {
+                return Err(PyValueError::new_err("tone: a view of `ocio` replaces it; give one of the two"));
+            }
+            if !format.is_for_screens {
+                return Err(PyValueError::new_err(
+                    "ocio: this format keeps the light as it is; give a .png, .jpg or .webp",
+                ));
+            }
+            let config = config.to_string_lossy();
+            let request = Request { config: &config, display, view, looks, source: None };
+            return py.detach(|| {
+                let view =
+                    View::new(&request).map_err(|error| PyValueError::new_err(format!("ocio: {error}")))?;
+                let mut seen = self.picture.clone();
+                seen.make_opaque(self.crop);
+                let shown = with_all_threads(|workers| view.shown(&seen, options.exposure, workers));
+                let options = WriteOptions { tone: ToneCurve::Clamp, exposure: 0.0, ..options };
+                image::write(&shown, &path, &options).map_err(|error| image_error(&error))
+            });
+        }
+        if [display, view, looks].iter().any(Option::is_some) {
+            return Err(PyValueError::new_err(
+                "ocio: missing; display, view and looks are names of its configuration",
+            ));
+        }
         if exact {
             options.exr_pixels = ExrPixels::Float;
         }

@@ -17,6 +17,7 @@ mod failure;
 mod heap;
 mod messages;
 mod nearest;
+mod ocio;
 mod osl;
 mod output;
 mod picture_header;

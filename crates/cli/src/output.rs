@@ -6,13 +6,14 @@
 use std::path::{Path, PathBuf};
 
 use gnurt::Numbered;
-use gnurt::image::{self, ExrCompression, ExrPixels, Picture, PictureFormat, WriteOptions};
+use gnurt::image::{self, ExrCompression, ExrPixels, Picture, PictureFormat, ToneCurve, WriteOptions};
 use gnurt::mattes::is_matte;
 
-use crate::arguments::{DisplayOptions, LightArguments};
+use crate::arguments::{DisplayOptions, LightArguments, OcioArguments, PictureFileArguments};
 use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
 use crate::nearest::unknown;
+use crate::ocio::View;
 use crate::signals::{is_leaving, while_writing};
 use crate::workers::with_workers;
 
@@ -21,6 +22,8 @@ use crate::workers::with_workers;
 pub(crate) struct Output {
     path: PathBuf,
     format: &'static PictureFormat,
+    /// In place of the tone curve.
+    view: Option<View>,
 }
 
 impl Output {
@@ -40,7 +43,19 @@ impl Output {
             };
             Failure::usage(format_args!("{}: {reason}", path.display()))
         })?;
-        Ok(Self { path: path.to_owned(), format })
+        Ok(Self { path: path.to_owned(), format, view: None })
+    }
+
+    /// The same by a view, if one is requested.
+    pub(crate) fn through(self, ocio: &OcioArguments) -> Result<Self, Failure> {
+        let view = View::of(ocio)?;
+        if view.is_some() && !self.is_for_screens() {
+            return Err(Failure::usage(format_args!(
+                "--ocio: {} keeps the light as it is; give a .png, .jpg or .webp",
+                self.path.display()
+            )));
+        }
+        Ok(Self { view, ..self })
     }
 
     /// Whether it can be written, as far as that can be known before.
@@ -103,17 +118,71 @@ impl Output {
 
     /// Writes it, whole or not at all.
     pub(crate) fn write(&self, picture: &Picture, display_options: DisplayOptions) -> Outcome {
-        let options = WriteOptions {
-            tone: display_options.tone,
-            exposure: display_options.exposure,
-            ..display_options.file.options()
-        };
-        self.put(picture, &options)
+        match self.view.as_ref().filter(|_| self.is_for_screens()) {
+            Some(view) => self
+                .put(&view.shown(picture, display_options.exposure), &Self::screen_options(display_options)),
+            None => self.put(picture, &Self::options(display_options)),
+        }
     }
 
     /// The same without rounding, where the format can.
     pub(crate) fn write_exactly(&self, picture: &Picture) -> Outcome {
         self.put(picture, &WriteOptions { exr_pixels: ExrPixels::Float, ..WriteOptions::default() })
+    }
+
+    /// The number of rows of which bands have a multiple.
+    pub(crate) fn band_unit(&self, file: PictureFileArguments) -> Result<u32, Failure> {
+        image::band_unit(
+            self.format,
+            &Self::band_options(DisplayOptions { file, ..DisplayOptions::default() }),
+        )
+        .map_err(|error| Failure::usage(format_args!("--band-rows: {error}")))
+    }
+
+    /// Writes it in bands of this number of rows, each made by a call; returns whether it is there.
+    pub(crate) fn write_bands(
+        &self,
+        size: [u32; 2],
+        rows: u32,
+        display_options: DisplayOptions,
+        make: &mut dyn FnMut([u32; 2]) -> Option<Picture>,
+    ) -> Result<bool, Failure> {
+        let options = Self::band_options(display_options);
+        let view = self.view.as_ref().filter(|_| self.is_for_screens());
+        let mut make = |rows| {
+            let band = make(rows)?;
+            Some(match view {
+                Some(view) => view.shown(&band, display_options.exposure),
+                None => band,
+            })
+        };
+        let options = if view.is_some() { Self::screen_options(display_options) } else { options };
+        let write = |workers: image::Workers| {
+            image::write_bands(&self.path, size, rows, &options, workers, &mut make, || !is_leaving())
+        };
+        with_workers(write).map_err(Failure::data)
+    }
+
+    /// Neither curve nor exposure.
+    fn screen_options(display_options: DisplayOptions) -> WriteOptions {
+        WriteOptions { tone: ToneCurve::Clamp, exposure: 0.0, ..Self::options(display_options) }
+    }
+
+    /// What fits all values is not known before they are there: floats.
+    fn band_options(display_options: DisplayOptions) -> WriteOptions {
+        let mut options = Self::options(display_options);
+        if options.exr_pixels == ExrPixels::Fitting {
+            options.exr_pixels = ExrPixels::Float;
+        }
+        options
+    }
+
+    fn options(display_options: DisplayOptions) -> WriteOptions {
+        WriteOptions {
+            tone: display_options.tone,
+            exposure: display_options.exposure,
+            ..display_options.file.options()
+        }
     }
 
     fn put(&self, picture: &Picture, options: &WriteOptions) -> Outcome {

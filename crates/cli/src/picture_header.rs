@@ -20,12 +20,18 @@ pub(crate) fn describe(picture: &mut Picture, options: &RenderOptions) {
     picture.set_metadata("filter", options.filter.to_string());
 }
 
-/// Describes how it was made: for formats whose headers may differ from run to run.
-pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f32, stats: &RenderStats) {
-    let seconds = format!("{:.3}", stats.seconds);
+/// Describes how it was made, with its cost where that is known: for formats whose headers may differ from run to run.
+pub(crate) fn describe_making(
+    picture: &mut Picture,
+    camera: &Camera,
+    aspect: f32,
+    stats: Option<&RenderStats>,
+) {
     picture.set_metadata("commandLine", command());
-    picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
-    picture.set_metadata("renderTimeSeconds", seconds);
+    if let Some(stats) = stats {
+        picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
+        picture.set_metadata("renderTimeSeconds", format!("{:.3}", stats.seconds));
+    }
     picture.set_metadata("depths", "depth.Z: distance along the ray; Z: along the view");
     if let Some(CameraMatrices { camera_from_world, ndc_from_world }) = CameraMatrices::new(camera, aspect) {
         picture.set_metadata("cameraFromWorld", numbers(&camera_from_world));

@@ -103,6 +103,8 @@ pub use film_motion::FramePose;
 pub use gnurt_accel as accel;
 pub use gnurt_denoise as denoise;
 pub use gnurt_image as image;
+#[cfg(feature = "ocio")]
+pub use gnurt_ocio as ocio;
 pub use gnurt_render as render;
 pub use gnurt_scene as scene;
 pub use gnurt_scene::overrides::Override;

@@ -57,7 +57,8 @@ pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
     let ranks = u64::from(options.mattes.depth) * RANK_PER_PIXEL;
     let mattes = options.mattes.kinds.len() as u64 * (MATTE_PER_PIXEL + ranks);
     let heat = if options.heatmap { HEAT_PER_PIXEL } else { 0 };
-    let pixels = u64::from(options.width) * u64::from(options.height);
+    let height = options.rows.map_or(options.height, |[top, end]| end.saturating_sub(top));
+    let pixels = u64::from(options.width) * u64::from(height);
     pixels.saturating_mul(PER_PIXEL + layers + light + mattes + clean + heat)
 }
 

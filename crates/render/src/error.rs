@@ -114,7 +114,7 @@ pub enum RenderError {
     #[error(
         "rows {} to {} of {height} cannot be rendered alone: both are multiples of {unit}, or the last is the height; \
          neither pieces nor interleaved pixels have rows",
-        rows[0], rows[1], unit = crate::options::BAND_UNIT
+        rows[0], rows[1], unit = crate::piece::BAND_UNIT
     )]
     NoSuchRows {
         /// The first, and the one behind the last.

@@ -13,7 +13,7 @@ use gnurt_simd::Level;
 use crate::error::RenderError;
 use crate::expressions::{self, LightLayer};
 use crate::mattes::Mattes;
-use crate::piece::Piece;
+use crate::piece::{BAND_UNIT, Piece};
 
 /// How radiance is computed along a camera ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -250,9 +250,6 @@ impl RenderOptions {
         Ok(clipped)
     }
 }
-
-/// Bands of rows begin at multiples of this: the grid of tiles of all integrators.
-pub const BAND_UNIT: u32 = 32;
 
 /// No pattern is wider: its tiles would be few.
 const WIDEST: u32 = 7;

@@ -18,3 +18,6 @@ impl fmt::Display for Piece {
         write!(f, "{}/{}", u64::from(self.index) + 1, self.count)
     }
 }
+
+/// Bands of rows begin at multiples of this: the grid of tiles of all integrators.
+pub const BAND_UNIT: u32 = 32;

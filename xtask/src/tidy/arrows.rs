@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 30] = [
+const ARROWS: [(&str, &[&str]); 31] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -17,12 +17,25 @@ const ARROWS: [(&str, &[&str]); 30] = [
     ("shading", &["simd", "image", "accel"]),
     ("materialx", &[]),
     ("sl-lib", &[]),
+    ("ocio", &["image"]),
     ("pbrt", &["scene", "sl-lib"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("sl-shading", &["simd", "accel", "image", "shading", "sl", "sl-lib", "jit", "materialx"]),
     (
         "gnurt",
-        &["simd", "accel", "image", "denoise", "scene", "usd", "shading", "render", "sl-shading", "pbrt"],
+        &[
+            "simd",
+            "accel",
+            "image",
+            "denoise",
+            "scene",
+            "usd",
+            "shading",
+            "render",
+            "sl-shading",
+            "ocio",
+            "pbrt",
+        ],
     ),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),

@@ -184,6 +184,10 @@ class Picture:
         tone: str | None = None,
         exposure: float | None = None,
         exact: bool = False,
+        ocio: str | PathLike[str] | None = None,
+        display: str | None = None,
+        view: str | None = None,
+        looks: str | None = None,
     ) -> None: ...
     def png(self, *, tone: str | None = None, exposure: float | None = None) -> bytes: ...
     def denoise(self, method: str = "auto", *, threads: int = 0) -> Picture: ...

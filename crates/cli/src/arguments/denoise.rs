@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::value::{self, FrameRange};
-use super::{DenoiserArguments, LightArguments, MachineArguments, VerbosityArguments};
+use super::{DenoiserArguments, LightArguments, MachineArguments, OcioArguments, VerbosityArguments};
 
 /// Arguments of `denoise`.
 #[derive(Args, Debug)]
@@ -27,6 +27,8 @@ pub(crate) struct DenoiseArguments {
     pub(crate) denoiser: DenoiserArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) ocio: OcioArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{DenoiserArguments, LightArguments, MachineArguments, VerbosityArguments};
+use super::{DenoiserArguments, LightArguments, MachineArguments, OcioArguments, VerbosityArguments};
 
 /// Arguments of `join`.
 #[derive(Args, Debug)]
@@ -20,6 +20,8 @@ pub(crate) struct JoinArguments {
     pub(crate) denoiser: DenoiserArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) ocio: OcioArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]

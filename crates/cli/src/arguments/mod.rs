@@ -10,6 +10,7 @@ mod files;
 mod help;
 mod idle;
 mod join;
+mod ocio;
 mod refusal;
 mod relight;
 mod render;
@@ -35,6 +36,7 @@ pub(crate) use help::HelpArguments;
 use help::with_formats;
 pub(crate) use idle::without_effect;
 pub(crate) use join::JoinArguments;
+pub(crate) use ocio::OcioArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use relight::RelightArguments;
 pub(crate) use render::{RenderArguments, StatisticsForm};
@@ -42,7 +44,8 @@ pub(crate) use times::TimeArguments;
 pub(crate) use value::{ExposureChoice, Pixel, Resolution, ShaderChoice};
 pub(crate) use verbosity_arguments::{VerbosityArguments, verbosity_behind_command};
 pub(crate) use view::{
-    DisplayOptions, FrameArguments, LightArguments, MachineArguments, TreeArguments, ViewArguments,
+    DisplayOptions, FrameArguments, LightArguments, MachineArguments, PictureFileArguments, TreeArguments,
+    ViewArguments,
 };
 pub(crate) use window::WindowArguments;
 
@@ -228,6 +231,8 @@ pub(crate) struct ConvertArguments {
     pub(crate) denoiser: DenoiserArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) ocio: OcioArguments,
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]

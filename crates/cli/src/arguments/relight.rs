@@ -7,7 +7,7 @@ use clap::Args;
 use gnurt::relight::Gain;
 
 use super::value;
-use super::{LightArguments, VerbosityArguments};
+use super::{LightArguments, OcioArguments, VerbosityArguments};
 
 /// Arguments of `relight`.
 #[derive(Args, Debug)]
@@ -23,6 +23,8 @@ pub(crate) struct RelightArguments {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) ocio: OcioArguments,
     #[command(flatten)]
     pub(crate) verbosity_arguments: VerbosityArguments,
 }

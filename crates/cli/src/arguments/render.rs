@@ -14,7 +14,7 @@ use gnurt_view::TevAddress;
 use super::value::{self, Crop};
 use super::{
     DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
-    TimeArguments, TreeArguments, VerbosityArguments, ViewArguments,
+    OcioArguments, TimeArguments, TreeArguments, VerbosityArguments, ViewArguments,
 };
 
 /// Arguments of `render`.
@@ -55,6 +55,9 @@ pub(crate) struct RenderArguments {
     /// Render piece I of N; other processes or machines render the others, and `gnurt join` joins them
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "I/N", value_parser = value::piece, allow_hyphen_values = true)]
     pub(crate) piece: Option<Piece>,
+    /// Render and write this number of rows at a time, for .exr and .png pictures larger than memory; rounded up to whole blocks of the file
+    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "ROWS", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
+    pub(crate) band_rows: Option<u32>,
     #[command(flatten)]
     pub(crate) times: TimeArguments,
     #[command(flatten)]
@@ -65,6 +68,8 @@ pub(crate) struct RenderArguments {
     pub(crate) denoiser: DenoiserArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) ocio: OcioArguments,
     /// Stop after TIME (90, 90s, 1.5m, 2h) and save the picture
     #[arg(help_heading = "Time and machine", long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,

@@ -341,9 +341,7 @@ impl LightArguments {
     /// Curve and exposure of this picture; the note reports a chosen exposure.
     pub(crate) fn display_options(self, picture: &Picture) -> (DisplayOptions, Option<String>) {
         match self.exposure {
-            ExposureChoice::Stops(exposure) => {
-                (DisplayOptions { tone: self.tone, exposure, file: self.file }, None)
-            }
+            ExposureChoice::Stops(exposure) => (self.stops(exposure), None),
             ExposureChoice::Auto => self.chosen(exposure_for(picture)),
         }
     }
@@ -351,7 +349,12 @@ impl LightArguments {
     /// The same for an exposure that was chosen elsewhere.
     pub(crate) fn chosen(self, exposure: f32) -> (DisplayOptions, Option<String>) {
         let note = format!("exposure {exposure:+.2} chosen from the picture; --exposure {exposure} keeps it");
-        (DisplayOptions { tone: self.tone, exposure, file: self.file }, Some(note))
+        (self.stops(exposure), Some(note))
+    }
+
+    /// The curve with this exposure.
+    pub(crate) fn stops(self, exposure: f32) -> DisplayOptions {
+        DisplayOptions { tone: self.tone, exposure, file: self.file }
     }
 }
 

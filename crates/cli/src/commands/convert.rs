@@ -77,7 +77,7 @@ fn written_kind(output: &Path) -> Result<Kind, Failure> {
 }
 
 fn convert_picture(arguments: &ConvertArguments, environment: &Environment, messages: Messages) -> Outcome {
-    let output = Output::named(&arguments.output)?;
+    let output = Output::named(&arguments.output)?.through(&arguments.ocio)?;
     output.check()?;
     let mut picture = read_picture(Path::new(&arguments.input)).map_err(Failure::data)?;
     if let Some(how) = arguments.denoiser.options(None) {
@@ -94,6 +94,9 @@ fn convert_picture(arguments: &ConvertArguments, environment: &Environment, mess
 }
 
 fn convert_scene(arguments: &ConvertArguments, environment: &Environment, messages: Messages) -> Outcome {
+    if arguments.ocio.config.is_some() {
+        return Err(Failure::usage("--ocio is for pictures, not for scenes"));
+    }
     let source = Source::find(&arguments.input, &arguments.files, environment)?;
     image::check_writable(&arguments.output).map_err(Failure::data)?;
     let (scene, read) = source.load_with_files(messages)?;

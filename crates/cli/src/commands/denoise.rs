@@ -36,7 +36,7 @@ pub(crate) fn run(arguments: &DenoiseArguments, environment: &Environment, messa
         .denoiser
         .options_or_built_in(None)
         .ok_or_else(|| Failure::usage("--denoise=none leaves the noise; `gnurt convert` does that"))?;
-    let output = Output::named(&arguments.output)?;
+    let output = Output::named(&arguments.output)?.through(&arguments.ocio)?;
     let frames = frames(arguments, &output)?;
     for (_, file, output) in &frames {
         if is_same_file(file, output.path()) {

@@ -77,7 +77,7 @@ impl Filtered {
         if signals::is_stopped() {
             return Ok(());
         }
-        label(&mut picture, &stats, plan, ready, options);
+        label(&mut picture, Some(&stats), plan, ready, options);
         let targets = plan.targets.clone();
         let waiting = Waiting { targets, heatmap, stats, options: options.clone(), begin, is_wanted };
         let done = self.film.push(i, picture, waiting, pool).map_err(Failure::data)?;
@@ -107,5 +107,5 @@ fn write(
     plan.filter.iter().for_each(|filter| filter.report(&used, &mut frame.picture, messages));
     appear(&mut frame.picture, (arguments, plan), ready, &options);
     save(&frame, &plan.targets, ready, arguments, &options, messages)?;
-    report(arguments, begin, plan, ready, &options, &frame, messages)
+    report(arguments, begin, plan, ready, &options, &frame.stats, messages)
 }

@@ -24,7 +24,7 @@ use gnurt::simd::Level;
 use gnurt::{FramePose, ThreadPool};
 use gnurt_view::TevImage;
 
-use super::pieces;
+use super::{band_rows, pieces};
 use crate::arguments::{
     DisplayOptions, FrameArguments, LightArguments, RenderArguments, StatisticsForm, TreeArguments,
 };
@@ -49,6 +49,8 @@ pub(super) struct Plan {
     pub(super) targets: Targets,
     /// The denoiser: requested, or chosen because there are few samples.
     pub(super) filter: Option<Filter>,
+    /// Rows that are rendered and written at a time; `None` = all.
+    pub(super) band_rows: Option<u32>,
 }
 
 #[derive(Clone)]
@@ -124,9 +126,9 @@ pub(super) fn make(
         take_noise_out(&mut frame, plan, pool, messages)?;
     }
     appear(&mut frame.picture, (arguments, plan), ready, options);
-    label(&mut frame.picture, &frame.stats, plan, ready, options);
+    label(&mut frame.picture, Some(&frame.stats), plan, ready, options);
     save(&frame, &plan.targets, ready, arguments, options, messages)?;
-    report(arguments, begin, plan, ready, options, &frame, messages)
+    report(arguments, begin, plan, ready, options, &frame.stats, messages)
 }
 
 /// What went wrong in a frame.
@@ -210,7 +212,7 @@ impl Filter {
 /// Metadata of its file.
 pub(super) fn label(
     picture: &mut Picture,
-    stats: &RenderStats,
+    stats: Option<&RenderStats>,
     plan: &Plan,
     ready: &Ready,
     options: &RenderOptions,
@@ -255,7 +257,7 @@ pub(super) fn report(
     plan: &Plan,
     ready: &Ready,
     options: &RenderOptions,
-    frame: &Frame,
+    stats: &RenderStats,
     messages: Messages,
 ) -> Outcome {
     let statistics = Statistics {
@@ -264,7 +266,7 @@ pub(super) fn report(
         options,
         world: ready.world.stats(),
         report: ready.report.clone(),
-        render: &frame.stats,
+        render: stats,
         load_seconds: ready.load_time.as_secs_f64(),
         total_seconds: begin.elapsed().as_secs_f64(),
     };
@@ -283,6 +285,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
     view::check(&arguments.view)?;
     shaders::check(&arguments.frame, &arguments.view)?;
     pieces::check(arguments)?;
+    band_rows::check(arguments)?;
     let resolution = arguments.frame.resolution;
     if let Some(crop) = arguments.crop.filter(|crop| crop.within(resolution).is_none()) {
         return Err(Failure::usage(format_args!(
@@ -295,6 +298,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
     arguments.times.check(source.numbered().is_some(), arguments.checkpoint.is_some())?;
     let is_sequence = arguments.times.frames.is_some();
     let picture = given.map_or_else(|| Output::named(&source.picture_name(is_sequence)), Ok)?;
+    let picture = picture.through(&arguments.ocio)?;
     if is_sequence {
         for (option, output) in [("--output", Some(&picture)), ("--heatmap", heatmap.as_ref())] {
             if let Some(output) = output.filter(|output| output.numbered().is_none()) {
@@ -353,13 +357,21 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
     heatmap.iter().try_for_each(Output::check)?;
     let targets = Targets { picture, heatmap };
     let filter = filter(arguments, &targets);
-    let mut plan = Plan { source, targets, filter };
+    let band_rows = band_rows::rows(arguments, &targets.picture)?;
+    let mut plan = Plan { source, targets, filter, band_rows };
     let fits = |plan: &Plan| check_memory(&options(arguments, plan, Level::default()), plan.filter.is_some());
     if plan.filter.as_ref().is_some_and(|filter| filter.is_default) && fits(&plan).is_err() {
         // A default must not cause a failure for lack of memory.
         plan.filter = None;
     }
-    fits(&plan).map_err(|why| Failure::data(format_args!("--resolution {resolution}: {why}")))?;
+    fits(&plan).map_err(|why| {
+        let remedy = if plan.band_rows.is_some() {
+            "fewer rows"
+        } else {
+            "--band-rows, which takes memory for some rows"
+        };
+        Failure::data(format_args!("--resolution {resolution}: {why}, or give {remedy}"))
+    })?;
     Ok(plan)
 }
 
@@ -373,6 +385,7 @@ fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
     // A rendering that ends early has fewer samples; one that is continued must look the same all the time.
     let may_be_few = spp < FEW_SAMPLES || arguments.time.is_some() || arguments.checkpoint.is_some();
     let is_default = arguments.denoiser.is_left_open()
+        && arguments.band_rows.is_none()
         && targets.picture.is_for_screens()
         && is_noisy(integrator, 1)
         && may_be_few;
@@ -467,6 +480,8 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
         aovs: plan.targets.picture.has_layers() || plan.filter.is_some() || arguments.transparent,
         heatmap: plan.targets.heatmap.is_some(),
         piece: arguments.piece,
+        // The first band stands for all until each gets its own.
+        rows: plan.band_rows.map(|rows| [0, rows.min(arguments.frame.resolution.height)]),
         light_layers: arguments.layers.iter().flat_map(|layers| layers.light.clone()).collect(),
         mattes: Mattes {
             kinds: arguments.layers.iter().flat_map(|layers| layers.mattes.clone()).collect(),
@@ -521,6 +536,21 @@ fn tell(stats: &RenderStats, arguments: &RenderArguments, messages: Messages) {
     ));
 }
 
+/// Curve, exposure and precision of the picture's file, as far as they are known without the picture.
+pub(super) fn suited_light(
+    arguments: &RenderArguments,
+    ready: &Ready,
+    options: &RenderOptions,
+) -> LightArguments {
+    let known = ready.chosen.exposure_of(arguments.frame.integrator);
+    let mut light = ready.light.unwrap_or(arguments.light).suited(known);
+    if !options.light_layers.is_empty() {
+        // Parts have 32 bits, and so has their sum.
+        light.file.exact();
+    }
+    light
+}
+
 pub(super) fn save(
     frame: &Frame,
     targets: &Targets,
@@ -529,12 +559,7 @@ pub(super) fn save(
     options: &RenderOptions,
     messages: Messages,
 ) -> Outcome {
-    let known = ready.chosen.exposure_of(arguments.frame.integrator);
-    let mut light = ready.light.unwrap_or(arguments.light).suited(known);
-    if !options.light_layers.is_empty() {
-        // Parts have 32 bits, and so has their sum.
-        light.file.exact();
-    }
+    let light = suited_light(arguments, ready, options);
     match options.piece {
         Some(piece) => {
             let layers = ready.list.as_ref().map(|layers| &layers.text[..]);

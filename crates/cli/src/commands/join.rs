@@ -38,7 +38,7 @@ struct Whole {
 
 /// Joins.
 pub(crate) fn run(arguments: &JoinArguments, environment: &Environment, messages: Messages) -> Outcome {
-    let output = Output::named(&arguments.output)?;
+    let output = Output::named(&arguments.output)?.through(&arguments.ocio)?;
     if arguments.pieces.iter().any(|piece| is_same_file(piece, output.path())) {
         return Err(Failure::usage(format_args!(
             "{} is one of the pieces; give another name to write to",

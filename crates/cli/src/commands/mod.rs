@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The subcommands, one file each. Each has `run`, which takes its arguments and returns its outcome.
 
+mod band_rows;
+mod bands;
 pub(crate) mod bench;
 mod bench_files;
 mod bench_light;

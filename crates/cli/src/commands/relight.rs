@@ -17,7 +17,7 @@ use crate::workers::read_picture;
 
 /// Mixes.
 pub(crate) fn run(arguments: &RelightArguments, messages: Messages) -> Outcome {
-    let output = Output::named(&arguments.output)?;
+    let output = Output::named(&arguments.output)?.through(&arguments.ocio)?;
     let frames = frames(arguments, &output)?;
     for (file, output) in &frames {
         if is_same_file(file, output.path()) {

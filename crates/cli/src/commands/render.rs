@@ -7,7 +7,8 @@ use std::time::Instant;
 use gnurt::ThreadPool;
 use gnurt::render::RenderOptions;
 
-use super::frame::{Plan, Ready, check, commit, commit_options, identify, make, options};
+use super::bands::make;
+use super::frame::{Plan, Ready, check, commit, commit_options, identify, options};
 use super::{light_layers, times};
 use crate::arguments::RenderArguments;
 use crate::environment::Environment;

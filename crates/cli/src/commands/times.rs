@@ -14,8 +14,9 @@ use gnurt::scene::Scene;
 use gnurt::scene::animation::Exposure;
 use gnurt::{FramePose, ThreadPool};
 
+use super::bands::make;
 use super::film::{Filtered, Shared};
-use super::frame::{Plan, Poses, Ready, Targets, commit_into, commit_options, identify, make};
+use super::frame::{Plan, Poses, Ready, Targets, commit_into, commit_options, identify};
 use super::light_layers;
 use crate::arguments::value::FrameRange;
 use crate::arguments::{ExposureChoice, LightArguments, RenderArguments, TimeArguments};

@@ -6,6 +6,7 @@
 
 mod animation;
 mod arguments;
+mod bands;
 mod bench;
 mod broken_pictures;
 mod broken_scenes;
@@ -30,6 +31,8 @@ mod light_layers;
 mod manuals;
 mod mattes;
 #[cfg(target_os = "linux")]
+#[cfg(feature = "ocio")]
+mod ocio;
 mod out_of_core;
 mod output;
 mod overrides;

@@ -26,12 +26,12 @@ mod table;
 mod tiff;
 mod vp8l;
 mod webp;
+mod write_bands;
 
 use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
-pub use bands::{band_unit, write_bands};
 pub use format::PictureFormat;
 pub use guard::{expecting_panics, expects_panics};
 pub use limits::MAX_PIXELS;
@@ -39,6 +39,7 @@ pub use open::{NotRegular, open_regular};
 pub use options::{ExrCompression, ExrPixels, Workers, WriteOptions};
 pub use png::{encode_screen, encode_texels};
 pub use replace::{check_writable, replace_file, replace_file_if};
+pub use write_bands::{band_unit, write_bands};
 
 use crate::{Budget, Error, Picture, Stored, Texels};
 use format::Meaning;
