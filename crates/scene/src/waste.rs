@@ -10,9 +10,10 @@ use crate::mesh::{Mesh, Rate};
 pub fn has_area([a, b, c]: [[f32; 3]; 3]) -> bool {
     let edge = |p: [f32; 3], k: usize| f64::from(p[k]) - f64::from(a[k]);
     let component = |i: usize, j: usize| edge(b, i) * edge(c, j) - edge(b, j) * edge(c, i);
-    // Products of two single-precision numbers neither underflow nor overflow. NaN is not above zero.
-    let normal = [component(1, 2), component(2, 0), component(0, 1)];
-    normal.iter().any(|x| x.abs() > 0.0) && [a, b, c].as_flattened().iter().all(|x| x.is_finite())
+    // Products of two single-precision numbers neither underflow nor overflow. Coordinates that are not finite make the
+    // sum infinite or NaN, which is not above zero.
+    let size = component(1, 2).abs() + component(2, 0).abs() + component(0, 1).abs();
+    size > 0.0 && size < f64::INFINITY
 }
 
 impl Mesh {

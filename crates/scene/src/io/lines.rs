@@ -53,17 +53,27 @@ impl<R: BufRead> LogicalLines<R> {
             if first == 1 && self.bytes.starts_with(b"\xef\xbb\xbf") {
                 self.bytes.drain(..3);
             }
-            let is_text = |&b: &u8| b >= b' ' || b == b'\t' || b == b'\x0c';
-            if !self.bytes.iter().all(is_text) {
+            // Without a branch for each byte.
+            let is_binary = |&b: &u8| (b < b' ') & (b != b'\t') & (b != b'\x0c');
+            if self.bytes.iter().fold(false, |any, b| any | is_binary(b)) {
                 return Err(Error::data(&self.path, Some(first), "binary data", "expected text in UTF-8"));
             }
             let line = self.bytes.trim_ascii();
             if line.is_empty() || line[0] == b'#' {
                 continue;
             }
-            self.text.clear();
-            self.text.push_str(&String::from_utf8_lossy(line));
-            return Ok(Some((first, &self.text)));
+            // A second look at the bytes, because a loop that may go on cannot lend them.
+            let line = self.bytes.trim_ascii();
+            return Ok(Some((
+                first,
+                match std::str::from_utf8(line) {
+                    Ok(text) => text,
+                    Err(_) => {
+                        self.text = String::from_utf8_lossy(line).into_owned();
+                        &self.text
+                    }
+                },
+            )));
         }
     }
 
@@ -79,7 +89,7 @@ impl<R: BufRead> LogicalLines<R> {
                 self.reader.consume(1);
                 continue;
             }
-            let end = available.iter().position(|&b| b == b'\n' || b == b'\r');
+            let end = line_end(available);
             self.bytes.extend_from_slice(&available[..end.unwrap_or(available.len())]);
             self.after_cr = end.is_some_and(|end| available[end] == b'\r');
             let consumed = end.map_or(available.len(), |end| end + 1);
@@ -93,6 +103,19 @@ impl<R: BufRead> LogicalLines<R> {
             }
         }
     }
+}
+
+/// The position of the first end of a line.
+fn line_end(bytes: &[u8]) -> Option<usize> {
+    const STEP: usize = 16;
+    let is_end = |b: &u8| (*b == b'\n') | (*b == b'\r');
+    // Steps without a branch for each byte.
+    let clear = bytes
+        .chunks_exact(STEP)
+        .take_while(|step| !step.iter().fold(false, |any, b| any | is_end(b)))
+        .count();
+    let begin = clear * STEP;
+    bytes[begin..].iter().position(is_end).map(|at| begin + at)
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ impl Cutter {
 fn triangulate(corners: &[[f32; 3]], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) {
     let flat = project(corners);
     if is_convex(&flat) {
-        return fan(&(0..flat.len()).collect::<Vec<_>>(), triangles);
+        return triangles.extend((2..flat.len()).map(|i| [0, i - 1, i]));
     }
     clip_ears(&flat, triangles, work_left);
 }

@@ -25,8 +25,17 @@ pub(super) fn floats<const N: usize>(
         return Err(document.error(location, problem, &format!("expected {N}")));
     }
     let mut values = vec![[0.0; N]; reader.count];
+    if let Some(bytes) = reader.packed(ComponentType::F32, N)? {
+        let number = |bytes: &[u8; 4]| f32::from_le_bytes(*bytes);
+        values
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(bytes.as_chunks::<4>().0)
+            .for_each(|(slot, bytes)| *slot = number(bytes));
+        return Ok(values);
+    }
+    let size = size_of_component(reader.component);
     reader.for_each(|i, bytes| {
-        let size = size_of_component(reader.component);
         for (k, slot) in values[i].iter_mut().enumerate() {
             *slot = float(reader.component, reader.normalized, &bytes[k * size..]);
         }
@@ -62,7 +71,29 @@ fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec
         ));
     }
     let mut values = vec![0; reader.count];
-    reader.for_each(|i, bytes| values[i] = unsigned_integer(reader.component, bytes))?;
+    if let Some(bytes) = reader.packed(ComponentType::U32, 1)? {
+        values
+            .iter_mut()
+            .zip(bytes.as_chunks::<4>().0)
+            .for_each(|(slot, bytes)| *slot = u32::from_le_bytes(*bytes));
+        return Ok(values);
+    }
+    if let Some(bytes) = reader.packed(ComponentType::U16, 1)? {
+        values
+            .iter_mut()
+            .zip(bytes.as_chunks::<2>().0)
+            .for_each(|(slot, bytes)| *slot = u16::from_le_bytes(*bytes).into());
+        return Ok(values);
+    }
+    match reader.component {
+        ComponentType::U32 => {
+            reader.for_each(|i, bytes| values[i] = unsigned_integer(ComponentType::U32, bytes))?
+        }
+        ComponentType::U16 => {
+            reader.for_each(|i, bytes| values[i] = unsigned_integer(ComponentType::U16, bytes))?
+        }
+        other => reader.for_each(|i, bytes| values[i] = unsigned_integer(other, bytes))?,
+    }
     Ok(values)
 }
 
@@ -170,6 +201,23 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// The bytes of all elements, where they have this type and follow one another, as in most files.
+    fn packed(&self, component: ComponentType, components: usize) -> Result<Option<&'a [u8]>, Error> {
+        let is_plain = self.accessor.sparse.is_none() && self.array.is_none();
+        let Some(view) = self.accessor.buffer_view.filter(|_| is_plain) else { return Ok(None) };
+        let (view, bytes) = self.document.view(view, self.location)?;
+        let stride = view.byte_stride;
+        let size = self.element_bytes();
+        if self.component != component
+            || self.components != components
+            || (stride != 0 && stride != size as u64)
+        {
+            return Ok(None);
+        }
+        let start = usize::try_from(self.accessor.byte_offset).unwrap_or(usize::MAX);
+        Ok(bytes.get(start..).and_then(|bytes| bytes.get(..self.count.checked_mul(size)?)))
+    }
+
     /// The elements in the buffer view; with `check_only`, only whether they fit.
     fn for_each_plain(&self, mut element: impl FnMut(usize, &[u8]), check_only: bool) -> Result<(), Error> {
         if let Some(array) = self.array {
@@ -239,6 +287,7 @@ fn float(component: ComponentType, normalized: bool, bytes: &[u8]) -> f32 {
 }
 
 /// The first component in `bytes` as an index; floats and signed numbers are converted to unsigned ones.
+#[inline]
 fn unsigned_integer(component: ComponentType, bytes: &[u8]) -> u32 {
     match size_of_component(component) {
         1 => bytes[0].into(),

@@ -265,7 +265,10 @@ impl PrimitiveReader<'_> {
         };
         // Without the extension it is an index like others.
         let restart = Some(restart).filter(|_| self.document.has_restarts);
-        if let Some(bad) = order.iter().find(|&&i| i as usize >= count && Some(i) != restart) {
+        // The largest is found sooner than the first bad one.
+        let may_be_bad = order.iter().fold(0, |most, &i| most.max(i)) as usize >= count;
+        let bad = |i: &&u32| **i as usize >= count && Some(**i) != restart;
+        if let Some(bad) = order.iter().filter(|_| may_be_bad).find(bad) {
             let remedy = if count == 0 {
                 "there are no vertices".into()
             } else {
@@ -290,6 +293,7 @@ impl PrimitiveReader<'_> {
                     |run: &[u32]| run.windows(2).skip(1).map(|e| [e[0], e[1], run[0]]).collect::<Vec<_>>();
                 runs.flat_map(of_run).collect()
             }
+            Mode::Triangles if restart.is_none() => order.as_chunks::<3>().0.to_vec(),
             Mode::Triangles => runs.flat_map(|run| run.chunks_exact(3).map(|t| [t[0], t[1], t[2]])).collect(),
         })
     }

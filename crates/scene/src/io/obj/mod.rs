@@ -9,13 +9,16 @@
 //! Groups, objects and smoothing are ignored. Tests: `tests/obj.rs`, `tests/broken_files.rs`,
 //! `tests/growth.rs`.
 
+mod batch;
 mod directives;
 mod maps;
 mod material;
 mod mtl;
 mod normals;
 mod parts;
+mod plain;
 mod statements;
+mod vertices;
 
 use std::io::{BufReader, Read};
 use std::path::Path;

@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The faces of an OBJ file by their materials: one mesh for each material that has any.
 //! A vertex of a mesh is a corner (position, texture coordinate, normal); corners that are alike are one
-//! vertex, numbered in the order of their first faces. Cost: a table lookup for each corner. Colours of
+//! vertex, numbered in the order of their first faces. Cost: a lookup for each corner. Colours of
 //! vertices are sRGB-encoded, as Blender and MeshLab write them.
 //! Tests: `tests/obj.rs::{groups_become_one_mesh_per_material, corners_that_are_alike_are_one_vertex}`.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use gnurt_image::srgb;
 
+use super::vertices::{Corner, NONE, Vertices};
 use crate::id::MaterialId;
 use crate::io::clean::clean;
 use crate::io::polygon::Cutter;
 use crate::io::{Oddity, Warnings};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
-
-/// Represents a missing texture coordinate or normal.
-pub(super) const NONE: u32 = u32::MAX;
-
-/// Indices of a corner's position, texture coordinate and normal in the lists, from 0.
-pub(super) type Corner = [u32; 3];
 
 /// The elements listed by `v`, `vt` and `vn` statements.
 #[derive(Default)]
@@ -54,7 +48,7 @@ pub(super) struct Parts {
     /// By the materials' numbers.
     parts: Vec<Part>,
     /// Vertices by part and corner.
-    vertices: HashMap<(u32, Corner), u32>,
+    vertices: Vertices,
     /// The vertices of one face.
     ring: Vec<u32>,
     bytes: usize,
@@ -63,8 +57,7 @@ pub(super) struct Parts {
 impl Parts {
     /// About as many bytes as are held.
     pub(super) fn memory_bytes(&self) -> usize {
-        // A table has a byte for each slot, an eighth of them empty.
-        self.bytes + self.parts.capacity() * size_of::<Part>() + self.vertices.capacity() * 24
+        self.bytes + self.parts.capacity() * size_of::<Part>() + self.vertices.memory_bytes()
     }
 
     /// Adds a face of at least three corners, cut into triangles.
@@ -82,10 +75,11 @@ impl Parts {
         let before = part.vertices.capacity() + part.triangles.capacity();
         self.ring.clear();
         for &corner in corners {
-            let vertex = *self.vertices.entry((material as u32, corner)).or_insert_with(|| {
+            let next = part.vertices.len() as u32;
+            let vertex = self.vertices.number((material as u32, corner), next);
+            if vertex == next {
                 part.vertices.push(corner);
-                (part.vertices.len() - 1) as u32
-            });
+            }
             self.ring.push(vertex);
         }
         let ring = &self.ring;

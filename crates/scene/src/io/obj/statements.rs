@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! OBJ statements, one by one, into the lists of the file and the parts of its materials.
 //! Source: Wavefront, Advanced Visualizer manual, appendix B1.
-//! Invariant: a corner that reaches a part exists. Memory: the lists, the parts, one statement; the budget is
-//! charged every [`STATEMENTS_BETWEEN`] statements. Tests: `tests/obj.rs`, `tests/broken_files.rs`,
+//! Invariant: a corner that reaches a part exists. Memory: the lists, the parts, some batches; the budget is
+//! charged after each batch. Tests: `tests/obj.rs`, `tests/broken_files.rs`,
 //! `tests/growth.rs`.
 
 use std::io::BufRead;
 use std::path::Path;
+use std::sync::mpsc::sync_channel;
+use std::thread::Builder;
 
+use super::batch::{Batch, Read, WrittenCorner};
 use super::mtl::Library;
-use super::parts::{Corner, Lists, NONE, Parts};
+use super::parts::{Lists, Parts};
+use super::vertices::{Corner, NONE};
 use crate::io::error::quoted;
 use crate::io::lines::LogicalLines;
 use crate::io::origin::Origin;
@@ -18,8 +22,10 @@ use crate::io::source::Access;
 use crate::io::{Error, Oddity, Warnings};
 use gnurt_image::Excess;
 
-/// Statements between charges of the budget.
-const STATEMENTS_BETWEEN: u64 = 1 << 13;
+/// Bytes from which a file is worth a second thread.
+const LONG: u64 = 1 << 19;
+/// Batches of statements that wait at most.
+const BATCHES: usize = 4;
 
 /// The statements of a file so far.
 pub(super) struct Statements<'a> {
@@ -42,15 +48,15 @@ pub(super) struct Statements<'a> {
 }
 
 impl<'a> Statements<'a> {
-    /// Reads all lines of the file at `path`, which has `length` bytes.
-    pub(super) fn read<R: BufRead>(
+    /// Reads all lines of the file at `path`, which has `length` bytes. Those of a long file are read on a thread of their own.
+    pub(super) fn read<R: BufRead + Send>(
         mut lines: LogicalLines<R>,
         path: &'a Path,
         length: u64,
         access: &'a Access,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let mut counts = Self {
+        let mut statements = Self {
             path,
             access,
             lists: Lists::default(),
@@ -64,19 +70,69 @@ impl<'a> Statements<'a> {
             cutter: Cutter::for_file(length),
             origin: Origin::default(),
         };
-        while let Some((line, text)) = lines.next()? {
-            counts.statement(&Location { path, line }, text, warnings)?;
-            counts.count += 1;
-            if counts.count.is_multiple_of(STATEMENTS_BETWEEN) {
-                counts.hold()?;
+        if length < LONG || !statements.read_beside(&mut lines, warnings)? {
+            let mut more = true;
+            while more {
+                let mut batch = Batch::default();
+                let filled = batch.fill(&mut lines);
+                statements.add(&batch, warnings)?;
+                more = filled?;
             }
         }
-        counts.hold()?;
-        if counts.count > 0 && !counts.recognised {
+        if statements.count > 0 && !statements.recognised {
             let remedy = "expected lines such as `v X Y Z` and `f 1 2 3`";
             return Err(Error::data(path, Some(1), "no OBJ statement in this file", remedy));
         }
-        Ok(counts)
+        Ok(statements)
+    }
+
+    /// Reads lines on another thread; `false`, and nothing is read, if the system has none.
+    fn read_beside<R: BufRead + Send>(
+        &mut self,
+        lines: &mut LogicalLines<R>,
+        warnings: &mut Warnings,
+    ) -> Result<bool, Error> {
+        std::thread::scope(|scope| {
+            let (sender, batches) = sync_channel(BATCHES);
+            let make = move || {
+                let mut more = true;
+                while more {
+                    let mut batch = Batch::default();
+                    let filled = batch.fill(lines);
+                    more = matches!(filled, Ok(true));
+                    // Nobody listens after an error.
+                    if sender.send((batch, filled)).is_err() {
+                        return;
+                    }
+                }
+            };
+            if Builder::new().name("gnurt obj".into()).spawn_scoped(scope, make).is_err() {
+                return Ok(false);
+            }
+            for (batch, filled) in batches {
+                self.add(&batch, warnings)?;
+                filled?;
+            }
+            Ok(true)
+        })
+    }
+
+    /// Adds the statements of a batch.
+    fn add(&mut self, batch: &Batch, warnings: &mut Warnings) -> Result<(), Error> {
+        let path = self.path;
+        for (line, statement) in batch.statements() {
+            let location = Location { path, line };
+            match statement {
+                Read::Position(position) => self.place(position, None, &location, warnings)?,
+                Read::Texcoord(texcoord) => self.lists.texcoords.push(texcoord),
+                Read::Normal(normal) => self.lists.normals.push(normal),
+                Read::Face(corners) => self.face(corners, &location, warnings)?,
+                Read::Text(text) => self.statement(&location, text, warnings)?,
+            }
+            self.recognised |= !matches!(statement, Read::Text(_));
+            self.count += 1;
+        }
+        self.hold()
     }
 
     /// Charges the budget for the memory taken since the last call.
@@ -107,7 +163,11 @@ impl<'a> Statements<'a> {
                 let normal = attribute::<3>(rest, location, warnings);
                 self.lists.normals.push(normal);
             }
-            "f" | "fo" => self.face(rest, location, warnings)?,
+            "f" | "fo" => {
+                let corners: Vec<WrittenCorner> =
+                    values(rest).map(|token| corner(token, location)).collect::<Result<_, _>>()?;
+                self.face(&corners, location, warnings)?;
+            }
             "l" | "p" => warnings.note(Oddity::PointsOrLines, location.path, Some(location.line), ""),
             "mtllib" => {
                 self.library.read(location.path, location.line, rest.trim(), self.access, warnings)?
@@ -146,31 +206,46 @@ impl<'a> Statements<'a> {
             return Err(location.error(format!("a vertex of {count} numbers"), REMEDY));
         }
         let [x, y, z, r, g, b] = numbers;
-        let [r, g, b] = [r, g, b].map(|channel| channel as f32);
+        let color = (count >= 6).then(|| [r, g, b].map(|channel| channel as f32));
+        self.place([x, y, z], color, location, warnings)
+    }
+
+    /// Adds a vertex.
+    fn place(
+        &mut self,
+        position: [f64; 3],
+        color: Option<[f32; 3]>,
+        location: &Location<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<(), Error> {
         let lists = &mut self.lists;
         if lists.positions.len() >= NONE as usize {
             return Err(location.error("more than 2^32 - 1 vertices".into(), "divide the file"));
         }
         // The first vertex determines whether vertices have colours.
-        let colored = if lists.positions.is_empty() { count >= 6 } else { !lists.colors.is_empty() };
+        let colored = if lists.positions.is_empty() { color.is_some() } else { !lists.colors.is_empty() };
         if colored {
-            if count < 6 {
+            if color.is_none() {
                 let detail = "a vertex without colour among coloured ones";
                 warnings.note(Oddity::BadAttribute, location.path, Some(location.line), detail);
             }
-            lists.colors.push(if count < 6 { [1.0; 3] } else { [r, g, b] });
+            lists.colors.push(color.unwrap_or([1.0; 3]));
         }
-        lists.positions.push(self.origin.place([x, y, z]));
+        lists.positions.push(self.origin.place(position));
         Ok(())
     }
 
-    fn face(&mut self, rest: &str, location: &Location<'_>, warnings: &mut Warnings) -> Result<(), Error> {
+    fn face(
+        &mut self,
+        written: &[WrittenCorner],
+        location: &Location<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<(), Error> {
         let corners = &mut self.corners;
         corners.clear();
         let (mut texcoords, mut normals) = (true, true);
         let (mut bad_texcoord, mut bad_normal) = (false, false);
-        for token in values(rest) {
-            let [v, t, n] = corner(token, location)?;
+        for &[v, t, n] in written {
             let position = resolve_position(v, self.lists.positions.len(), location)?;
             let texcoord = resolve(t, self.lists.texcoords.len());
             let normal = resolve(n, self.lists.normals.len());
@@ -248,7 +323,7 @@ fn attribute<const N: usize>(rest: &str, location: &Location<'_>, warnings: &mut
 }
 
 /// `v`, `v/t`, `v//n` or `v/t/n` as written.
-fn corner(token: &str, location: &Location<'_>) -> Result<[Option<i64>; 3], Error> {
+fn corner(token: &str, location: &Location<'_>) -> Result<WrittenCorner, Error> {
     let bad = || {
         location.error(format!("bad corner {}", quoted(token)), "expected `V`, `V/VT`, `V//VN` or `V/VT/VN`")
     };

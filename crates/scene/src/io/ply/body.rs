@@ -164,8 +164,11 @@ impl<R: BufRead> Body<'_, R> {
         mesh.texcoords.reserve_exact(reserve(columns.texcoords));
         mesh.colors.reserve_exact(reserve(columns.colors));
         let slots: Vec<(Slot, &Property)> = element.properties.iter().map(|p| (Slot::of(p), p)).collect();
+        // Bytes of a vertex, where all have as many.
+        let has_lists = element.properties.iter().any(|property| property.count.is_some());
+        let size = if has_lists { 0 } else { element.least_bytes(Encoding::LittleEndian) };
         for index in 0..element.count {
-            let read = read_vertex(&mut self.numbers, &slots);
+            let read = read_vertex(&mut self.numbers, &slots, size);
             let (vertex, is_whole) = read.map_err(|fault| self.fault(fault, element, index))?;
             self.note_short(is_whole);
             let mesh = &mut self.mesh;
@@ -257,8 +260,10 @@ impl<R: BufRead> Body<'_, R> {
 fn read_vertex<R: BufRead>(
     numbers: &mut Numbers<'_, R>,
     slots: &[(Slot, &Property)],
+    size: u64,
 ) -> Result<(Vertex, bool), Fault> {
     numbers.begin()?;
+    numbers.read_ahead(size)?;
     let mut vertex = Vertex::NEUTRAL;
     let mut is_whole = true;
     for &(slot, property) in slots {
@@ -285,9 +290,8 @@ fn read_face<R: BufRead>(
         match property.count {
             Some(count) if k == corners => {
                 into.clear();
-                for _ in 0..numbers.length(count)? {
-                    into.push(numbers.integer(property.item)?);
-                }
+                let length = numbers.length(count)?;
+                numbers.integers(property.item, length, into)?;
             }
             _ if numbers.is_spent() => is_whole = false,
             _ => numbers.skip(property)?,

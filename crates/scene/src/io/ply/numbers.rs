@@ -38,10 +38,14 @@ pub(super) struct Numbers<'a, R> {
     encoding: Encoding,
     /// Lines read so far, of a text.
     line: u64,
+    /// The line of a text, or bytes that were read ahead.
     text: Vec<u8>,
-    /// Start of the next word of `text`.
+    /// Start of the next word or number of `text`.
     at: usize,
 }
+
+/// Bytes that are read ahead at most.
+const AHEAD: u64 = 1 << 12;
 
 impl<'a, R: BufRead> Numbers<'a, R> {
     /// Of a body that begins after this number of lines.
@@ -110,13 +114,31 @@ impl<'a, R: BufRead> Numbers<'a, R> {
         self.encoding == Encoding::Text && self.text[self.at..].trim_ascii().is_empty()
     }
 
+    #[inline]
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
         let mut bytes = [0; N];
-        self.input.read_exact(&mut bytes)?;
+        match self.text.get(self.at..self.at + N) {
+            Some(ahead) => {
+                bytes.copy_from_slice(ahead);
+                self.at += N;
+            }
+            None => self.input.read_exact(&mut bytes)?,
+        }
         if self.encoding == Encoding::BigEndian {
             bytes.reverse();
         }
         Ok(bytes)
+    }
+
+    /// Reads numbers of an encoding of bytes ahead that are to be read one by one: all `size` bytes, unless they are many.
+    /// Bytes that were read ahead before are used up.
+    pub(super) fn read_ahead(&mut self, size: u64) -> Result<(), Fault> {
+        if self.encoding != Encoding::Text && size <= AHEAD {
+            self.text.resize(size as usize, 0);
+            self.at = 0;
+            self.input.read_exact(&mut self.text)?;
+        }
+        Ok(())
     }
 
     /// A number as a double, which holds each of them.
@@ -162,6 +184,41 @@ impl<'a, R: BufRead> Numbers<'a, R> {
         })
     }
 
+    /// Appends `length` numbers of an integer type.
+    pub(super) fn integers(
+        &mut self,
+        of_type: Scalar,
+        length: u64,
+        into: &mut Vec<i64>,
+    ) -> Result<(), Fault> {
+        self.read_ahead(length.saturating_mul(of_type.size() as u64))?;
+        let ahead = self.text.get(self.at..).unwrap_or_default();
+        if self.encoding == Encoding::LittleEndian && ahead.len() as u64 == 4 * length {
+            // The usual types at once.
+            let numbers = ahead.as_chunks::<4>().0.iter().copied();
+            match of_type {
+                Scalar::I32 => into.extend(numbers.map(|bytes| i64::from(i32::from_le_bytes(bytes)))),
+                Scalar::U32 => into.extend(numbers.map(|bytes| i64::from(u32::from_le_bytes(bytes)))),
+                _ => return self.integers_one_by_one(of_type, length, into),
+            }
+            self.at = self.text.len();
+            return Ok(());
+        }
+        self.integers_one_by_one(of_type, length, into)
+    }
+
+    fn integers_one_by_one(
+        &mut self,
+        of_type: Scalar,
+        length: u64,
+        into: &mut Vec<i64>,
+    ) -> Result<(), Fault> {
+        (0..length).try_for_each(|_| {
+            into.push(self.integer(of_type)?);
+            Ok(())
+        })
+    }
+
     /// The length of a list.
     pub(super) fn length(&mut self, of_type: Scalar) -> Result<u64, Fault> {
         let text = self.encoding == Encoding::Text;
@@ -178,6 +235,11 @@ impl<'a, R: BufRead> Numbers<'a, R> {
             return (0..count).try_for_each(|_| self.float(property.item).map(drop));
         }
         let bytes = count.saturating_mul(property.item.size() as u64);
+        let ahead = self.text.len() - self.at;
+        if bytes <= ahead as u64 {
+            self.at += bytes as usize;
+            return Ok(());
+        }
         let skipped = std::io::copy(&mut self.input.take(bytes), &mut std::io::sink())?;
         if skipped == bytes { Ok(()) } else { Err(Fault::End) }
     }
