@@ -100,7 +100,7 @@ impl<'a> Statements<'a> {
                     let mut batch = Batch::default();
                     let filled = batch.fill(lines);
                     more = matches!(filled, Ok(true));
-                    // Nobody listens after an error.
+                    // After an error the receiver is gone.
                     if sender.send((batch, filled)).is_err() {
                         return;
                     }
