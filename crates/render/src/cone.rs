@@ -13,7 +13,7 @@
 use gnurt_accel::RayBatch;
 use gnurt_shading::bsdf::BsdfSample;
 use gnurt_shading::real::Real;
-use gnurt_shading::{CameraSamples, CameraShader, RayKind, SampleKey, SurfaceBatch};
+use gnurt_shading::{Bounces, CameraSamples, CameraShader, RayKind, SampleKey, SurfaceBatch};
 
 use crate::options::RenderOptions;
 
@@ -26,6 +26,8 @@ pub(crate) struct Cone {
     spread: f32,
     /// The kind of ray.
     kind: RayKind,
+    /// How its path was scattered.
+    pub(crate) bounces: Bounces,
 }
 
 /// The cones of many rays.
@@ -34,6 +36,7 @@ pub(crate) struct Cones {
     pub(crate) width: Vec<f32>,
     pub(crate) spread: Vec<f32>,
     pub(crate) kind: Vec<RayKind>,
+    pub(crate) bounces: Vec<Bounces>,
 }
 
 /// Least share of their full width that cones keep, squared.
@@ -65,6 +68,8 @@ pub(crate) struct ConeHit<R> {
     pub(crate) cos: R,
     /// The kind of ray; of one point only.
     pub(crate) kind: RayKind,
+    /// How its path was scattered; of one point only.
+    pub(crate) bounces: Bounces,
 }
 
 impl<R: Real> ConeHit<R> {
@@ -88,18 +93,21 @@ impl ConeHit<f32> {
         let cos = points.ng.get(i).dot(points.ray_dir.get(i));
         let bulge = if cos > 0.0 { -known(&points.curvature) } else { known(&points.curvature) };
         let (width, spread) = (known(&points.footprint), known(&points.cone_spread));
-        Self { width, spread, curvature: bulge, cos: cos.abs(), kind: points.ray_kind(i) }
+        let bounces = points.bounces.get(i).copied().unwrap_or_default();
+        Self { width, spread, curvature: bulge, cos: cos.abs(), kind: points.ray_kind(i), bounces }
     }
 
     /// The cone of the scattered ray.
     pub(crate) fn after(&self, sample: &BsdfSample, fineness: f32) -> Cone {
         let spread = self.spread_after(sample.pdf, sample.delta, sample.transmitted, fineness);
-        Cone { width: self.width, spread, kind: sample.ray_kind() }
+        let kind = sample.ray_kind();
+        Cone { width: self.width, spread, kind, bounces: self.bounces.and(kind) }
     }
 
-    /// The cone of the ray that goes straight on.
+    /// The cone of the ray that goes straight on, through a transparent surface.
     pub(crate) fn straight(&self) -> Cone {
-        Cone { width: self.width, spread: self.spread, kind: self.kind }
+        let bounces = self.bounces.beyond();
+        Cone { width: self.width, spread: self.spread, kind: self.kind, bounces }
     }
 }
 
@@ -120,6 +128,7 @@ impl Cone {
             width: larger(distance(middle.org, right.org), distance(middle.org, up.org)),
             spread: larger(distance(middle.dir, right.dir), distance(middle.dir, up.dir)),
             kind: RayKind::Camera,
+            bounces: Bounces::default(),
         }
     }
 
@@ -158,9 +167,10 @@ impl Cone {
     /// Writes the widths, spreads and kinds at points that the rays of `lanes` met. `cones` are those of all
     /// rays, if known; rays of depth 0 have the camera's, which is this.
     pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], cones: Option<&Cones>) {
-        let SurfaceBatch { footprint, cone_spread, kinds, t, key, depth, .. } = points;
+        let SurfaceBatch { footprint, cone_spread, kinds, bounces, t, key, depth, .. } = points;
         [&mut *footprint, &mut *cone_spread].into_iter().for_each(|array| array.resize(lanes.len(), 0.0));
         kinds.clear();
+        bounces.clear();
         let positions = footprint.iter_mut().zip(cone_spread).zip(lanes.iter().zip(&*t).zip(key));
         for ((footprint, cone_spread), ((&lane, &t), &mut key)) in positions {
             let cone = match cones {
@@ -173,6 +183,7 @@ impl Cone {
             // Beyond its narrowest point it widens again.
             *cone_spread = if width < 0.0 { -cone.spread } else { cone.spread };
             kinds.push(cone.kind);
+            bounces.push(cone.bounces);
         }
     }
 }
@@ -182,24 +193,28 @@ impl Cones {
         self.width.push(cone.width);
         self.spread.push(cone.spread);
         self.kind.push(cone.kind);
+        self.bounces.push(cone.bounces);
     }
 
     /// That of ray `i`; without width where there are fewer.
     pub(crate) fn get(&self, i: usize) -> Cone {
         let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
         let kind = self.kind.get(i).copied().unwrap_or_default();
-        Cone { width: known(&self.width), spread: known(&self.spread), kind }
+        let bounces = self.bounces.get(i).copied().unwrap_or_default();
+        Cone { width: known(&self.width), spread: known(&self.spread), kind, bounces }
     }
 
     /// Writes that of ray `i`, which is there.
     pub(crate) fn set(&mut self, i: usize, cone: Cone) {
         (self.width[i], self.spread[i], self.kind[i]) = (cone.width, cone.spread, cone.kind);
+        self.bounces[i] = cone.bounces;
     }
 
     pub(crate) fn resize(&mut self, n: usize) {
         self.width.resize(n, 0.0);
         self.spread.resize(n, 0.0);
         self.kind.resize(n, RayKind::default());
+        self.bounces.resize(n, Bounces::default());
     }
 }
 
@@ -235,11 +250,13 @@ mod tests {
         assert!((points.footprint[1] - 0.05).abs() < 1e-3, "the fourth sample: half of 0.1");
         points.depth = 1;
         let kind = vec![RayKind::Glossy, RayKind::Reflection];
-        let cones = Cones { width: vec![1.0, 2.0], spread: vec![-0.4, 0.02], kind };
+        let bounces = vec![Bounces::default(), Bounces::default().and(RayKind::Glossy).beyond()];
+        let cones = Cones { width: vec![1.0, 2.0], spread: vec![-0.4, 0.02], kind, bounces };
         cone.widen(&mut points, &[1, 0], Some(&cones));
         assert!((points.footprint[0] - 2.2).abs() < 1e-3, "after a mirror: {:?}", points.footprint);
         assert_eq!([points.footprint[1], points.cone_spread[1]], [1.0, 0.4], "beyond a focus");
         assert_eq!(points.kinds, [RayKind::Reflection, RayKind::Glossy], "in the order of lanes");
+        assert_eq!(points.bounces[0], Bounces { glossy: 1, transparent: 1, ..Bounces::default() });
         cone.widen(&mut points, &[1, 0], None);
         assert_eq!(points.footprint, [0.0; 2], "nobody knows");
     }

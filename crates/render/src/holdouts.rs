@@ -50,10 +50,10 @@ fn note_first_hits(tracer: &mut BatchTracer, camera: HitLanes) {
     let mut held = std::mem::take(&mut tracer.held);
     if tracer.world.materials().have_holes() {
         let mut closures = std::mem::take(&mut tracer.closures);
-        tracer.for_each_surface(camera, AttributeRequests::Light, |_, shader, lanes, points| {
+        tracer.for_each_surface(camera, AttributeRequests::Light, |tracer, shader, lanes, points| {
             if shader.has_holes() {
                 closures.reset(points.len());
-                shader.evaluate(points, &mut closures);
+                shader.evaluate_traced(tracer, points, &mut closures);
                 for (k, &lane) in lanes.iter().enumerate() {
                     held[lane as usize] = Held { share: closures.held_out(k), is_dark: false };
                 }

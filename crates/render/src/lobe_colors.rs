@@ -105,9 +105,9 @@ fn gather(
     to: &mut Replaced,
 ) -> Rest {
     let (mut rest, mut closures) = (Rest::default(), ClosureBatch::default());
-    tracer.for_each_surface(from, AttributeRequests::Light, |_, shader, lanes, points| {
+    tracer.for_each_surface(from, AttributeRequests::Light, |tracer, shader, lanes, points| {
         closures.reset(points.len());
-        shader.evaluate(points, &mut closures);
+        shader.evaluate_traced(tracer, points, &mut closures);
         to.add_outputs(shader, points, |k| {
             let (pixel, share) = of(lanes[k] as usize);
             (pixel, share * closures.coverage(k).clamp(0.0, 1.0))

@@ -54,6 +54,7 @@ impl BatchTracer<'_> {
                     ns: points.facing_ns(k),
                     uv: [points.texcoord[0][k], points.texcoord[1][k]],
                     albedo: albedo.get(k),
+                    back: !points.front(k),
                     ids: [
                         instance,
                         world.leaf(points.leaf_id[k]).1.0,

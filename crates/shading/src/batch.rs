@@ -150,6 +150,42 @@ impl RayKind {
     }
 }
 
+/// How often a path was scattered before its ray, by the kinds of its rays, and how many transparent surfaces it passed. Counts end
+/// at 255.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bounces {
+    /// By diffuse surfaces.
+    pub diffuse: u8,
+    /// By microfacets and mirrors.
+    pub glossy: u8,
+    /// Through glass.
+    pub transmission: u8,
+    /// Transparent surfaces.
+    pub transparent: u8,
+}
+
+impl Bounces {
+    /// After a surface sent on a ray of this kind.
+    #[inline]
+    #[must_use]
+    pub fn and(self, kind: RayKind) -> Self {
+        let Self { diffuse, glossy, transmission, .. } = self;
+        match kind {
+            RayKind::Camera => self,
+            RayKind::Diffuse => Self { diffuse: diffuse.saturating_add(1), ..self },
+            RayKind::Glossy | RayKind::Reflection => Self { glossy: glossy.saturating_add(1), ..self },
+            RayKind::Refraction => Self { transmission: transmission.saturating_add(1), ..self },
+        }
+    }
+
+    /// Beyond a transparent surface.
+    #[inline]
+    #[must_use]
+    pub fn beyond(self) -> Self {
+        Self { transparent: self.transparent.saturating_add(1), ..self }
+    }
+}
+
 /// Cones that widen faster than this are of broad lobes: about a fifteenth of a right angle.
 const VAGUE: f32 = 0.1;
 
@@ -219,6 +255,8 @@ pub struct SurfaceBatch {
     pub leaf_id: Vec<u32>,
     /// The kinds of the rays; empty if not requested.
     pub kinds: Vec<RayKind>,
+    /// How often the rays' paths were scattered; empty if not requested.
+    pub bounces: Vec<Bounces>,
     /// How many bounces the rays had behind them: 0 for camera rays.
     pub depth: u32,
     /// Keys of the lanes' random numbers.
@@ -248,6 +286,7 @@ impl SurfaceBatch {
     pub fn clear(&mut self) {
         self.each_row(Vec3s::clear, Vec::clear, Vec::clear);
         self.kinds.clear();
+        self.bounces.clear();
         self.key.clear();
         self.attributes.clear();
         (self.camera, self.names) = (None, None);
@@ -288,6 +327,7 @@ impl SurfaceBatch {
         [&mut self.dp_du, &mut self.dp_dv].into_iter().for_each(|array| array.resize(n));
         [&mut self.footprint, &mut self.cone_spread, &mut self.curvature].into_iter().for_each(Vec::clear);
         self.kinds.clear();
+        self.bounces.clear();
         self.attributes.clear();
     }
 
@@ -504,6 +544,7 @@ impl SurfaceBatch {
             |row| *row = pick(row, lanes),
         );
         (some.kinds, some.key) = (pick(&self.kinds, lanes), pick(&self.key, lanes));
+        some.bounces = pick(&self.bounces, lanes);
         some.attributes = self.attributes.iter().map(components).collect();
         some
     }

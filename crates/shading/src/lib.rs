@@ -22,7 +22,7 @@ pub mod shader;
 mod texels;
 pub mod texture;
 
-pub use batch::{Detail, FacingRows, RayKind, SampleKey, SurfaceBatch, Vec3s};
+pub use batch::{Bounces, Detail, FacingRows, RayKind, SampleKey, SurfaceBatch, Vec3s};
 pub use camera_projection::CameraProjection;
 pub use color_map::ColorMap;
 pub use point::{Leaving, Rays, SurfacePoint};

@@ -78,6 +78,13 @@ pub trait SurfaceShader: Send + Sync {
         let _ = (hits, out);
     }
 
+    /// The same for a surface that queries distances and hits of rays, which then determine its closures. Where no tracer is at hand, as
+    /// where surfaces are sampled as lights, [`evaluate`](Self::evaluate) takes its place: rays hit nothing.
+    fn evaluate_traced(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        let _ = tracer;
+        self.evaluate(hits, out);
+    }
+
     /// Itself, if it computes its radiance by its own rays and loops over lights, as shaders of OpenRT do.
     /// Integrators that scatter light themselves treat that as emission, in addition to its own emission, and
     /// end there.
@@ -397,6 +404,8 @@ pub struct SurfaceHit {
     pub uv: [f32; 2],
     /// Share of light that is scattered there.
     pub albedo: Vec3,
+    /// Whether the ray met the side that the mesh's normal points away from.
+    pub back: bool,
     /// Numbers of instance, object, material and triangle.
     pub ids: [u32; 4],
 }

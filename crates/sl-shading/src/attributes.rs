@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Answers to `getattribute` about the camera of the picture and the names and numbers of a point's geometry.
+//! Answers to `getattribute` about the camera of the picture, the path of a ray, and the names and numbers of a point's geometry.
 //! Source: names, types and conversions of the Open Shading Language.
 //! Tests: `tests/scripts/attributes.rs`.
 
@@ -10,6 +10,14 @@ use gnurt_sl::types::{Base, Type};
 
 /// Names of these attributes begin so.
 pub(crate) const CAMERA_PREFIX: &str = "camera:";
+
+/// Names of a ray's attributes begin so.
+pub(crate) const PATH_PREFIX: &str = "path:";
+
+/// Whether an attribute depends on the path before the last ray.
+pub(crate) fn is_of_bounces(name: &str) -> bool {
+    name.starts_with(PATH_PREFIX) && name != "path:ray_length"
+}
 
 /// A named value of the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +48,22 @@ pub(crate) fn of_camera(camera: &CameraProperties, name: &str) -> Option<Value> 
         "shutter_close" => Value::Floats(vec![shutter[1]]),
         "shutter" => Value::Floats(shutter.to_vec()),
         "screen_window" => Value::Floats(camera.screen_window()?.to_vec()),
+        _ => return None,
+    })
+}
+
+/// An attribute of the path that came to a point: how often it was scattered, by kind, the transparent surfaces that it passed, and
+/// the length of its last ray.
+pub(crate) fn of_path(hits: &SurfaceBatch, lane: usize, name: &str) -> Option<Value> {
+    let bounces = hits.bounces.get(lane).copied().unwrap_or_default();
+    let [diffuse, glossy, through] = [bounces.diffuse, bounces.glossy, bounces.transmission].map(i32::from);
+    Some(match name.strip_prefix(PATH_PREFIX)? {
+        "ray_depth" => Value::Ints(vec![diffuse + glossy + through]),
+        "diffuse_depth" => Value::Ints(vec![diffuse]),
+        "glossy_depth" => Value::Ints(vec![glossy]),
+        "transmission_depth" => Value::Ints(vec![through]),
+        "transparent_depth" => Value::Ints(vec![bounces.transparent.into()]),
+        "ray_length" => Value::Floats(vec![*hits.t.get(lane)?]),
         _ => return None,
     })
 }

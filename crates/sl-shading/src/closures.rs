@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The closures that the renderer supports: all of OSL's, MaterialX's among them, and `radiance`.
+//! The closures that the renderer supports: all of OSL's, MaterialX's among them, Blender's toon and hair, and `radiance`.
 //! `parts` converts each of them.
 //! Tests: `tests/scripts/closures.rs`.
 
@@ -33,6 +33,10 @@ pub(crate) enum Known {
     Conductor,
     Schlick,
     Hair,
+    Toon,
+    GlossyToon,
+    HairReflection,
+    HairTransmission,
     /// What lies behind the surface.
     AnisotropicVdf,
     MediumVdf,
@@ -43,7 +47,7 @@ pub(crate) enum Known {
 }
 
 /// The counterparts of [`standard_closures`], by name.
-const KNOWN: [(Known, &str); 29] = [
+const KNOWN: [(Known, &str); 33] = [
     (Known::Emission, "emission"),
     (Known::Emission, "background"),
     (Known::Radiance, "radiance"),
@@ -69,6 +73,10 @@ const KNOWN: [(Known, &str); 29] = [
     (Known::SubsurfaceBssrdf, "subsurface_bssrdf"),
     (Known::Sheen, "sheen_bsdf"),
     (Known::Hair, "chiang_hair_bsdf"),
+    (Known::Toon, "diffuse_toon"),
+    (Known::GlossyToon, "glossy_toon"),
+    (Known::HairReflection, "hair_reflection"),
+    (Known::HairTransmission, "hair_transmission"),
     (Known::UniformEdf, "uniform_edf"),
     (Known::AnisotropicVdf, "anisotropic_vdf"),
     (Known::MediumVdf, "medium_vdf"),

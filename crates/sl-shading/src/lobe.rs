@@ -5,6 +5,8 @@
 //! under any distribution's name.
 //! Space: world. Tests: `tests/scripts/closures.rs`.
 
+use std::f32::consts::FRAC_PI_2;
+
 use glam::Vec3;
 use gnurt_shading::bsdf::{BetweenFacets, Film, Lobe};
 use gnurt_shading::{ColorMap, Interior};
@@ -225,6 +227,15 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
         }
         Known::Schlick => return schlick(p, front),
         Known::Hair => return hair(p),
+        Known::Toon | Known::GlossyToon => {
+            // Shares of a right angle.
+            let [size, border] = [p.float(1), p.float(2)].map(|share| FRAC_PI_2 * share.clamp(0.0, 1.0));
+            Lobe::toon(p.shape.known == Known::GlossyToon, size, border)
+        }
+        Known::HairReflection | Known::HairTransmission => {
+            let through = p.shape.known == Known::HairTransmission;
+            Lobe::strand(through, p.vec3(3), [p.float(1), p.float(2)], p.float(4))
+        }
         _ => return [None; 3],
     };
     [Some(one), None, None]

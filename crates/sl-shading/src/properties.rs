@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use gnurt_sl::exec::{ClosureDecl, Host, Instruction, Machine, Plan, Step};
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::opcode::Opcode;
-use gnurt_sl::types::Base;
+use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::color::ColorSystem;
 
 use crate::closures::{Known, all};
@@ -29,6 +29,10 @@ pub(crate) struct Properties {
     pub(crate) is_light: bool,
     /// It computes its radiance by its own rays and light loops.
     pub(crate) is_radiance: bool,
+    /// Its closures depend on rays that it traces.
+    pub(crate) is_traced: bool,
+    /// They depend on the number of bounces before.
+    pub(crate) reads_bounces: bool,
 }
 
 impl Properties {
@@ -106,7 +110,12 @@ impl Reader<'_> {
 
     fn step(&mut self, number: usize, step: &Step, is_inner: bool) {
         match step.code {
-            Opcode::Trace | Opcode::LightCount | Opcode::Illuminate => self.properties.is_radiance = true,
+            // The radiance of a ray, not whether it hits.
+            Opcode::Trace if step.args.first().is_none_or(|out| out.ty != Type::INT) => {
+                self.properties.is_radiance = true;
+            }
+            Opcode::Trace => self.properties.is_traced = true,
+            Opcode::LightCount | Opcode::Illuminate => self.properties.is_radiance = true,
             Opcode::Closure => self.closure(number, step),
             _ => {
                 let layer = &self.plan.layers[number];

@@ -27,7 +27,7 @@ use gnurt_sl::{Options, compile};
 use gnurt_sl_lib::color::ColorSystem;
 
 use crate::access::Access;
-use crate::attributes::{self, CAMERA_PREFIX};
+use crate::attributes::{self, CAMERA_PREFIX, PATH_PREFIX};
 use crate::camera::{CameraFrame, CameraScript};
 use crate::faults::Faults;
 use crate::fixed::Fixed;
@@ -551,7 +551,7 @@ impl Script {
         let frame = |name: &str| requests.iter().position(|request| request.name == name);
         let [area, time] = [AttributeRequest::SURFACE_AREA, AttributeRequest::TIME].map(frame);
         let [shutter, velocity] = [AttributeRequest::SHUTTER, AttributeRequest::VELOCITY].map(frame);
-        let properties = Properties::of(plan, &colors);
+        let properties = Properties { reads_bounces: reads_bounces(group), ..Properties::of(plan, &colors) };
         let space = if properties.is_radiance { WorkingSpace::Rec709 } else { self.access.space };
         Ok(Common {
             name: self.name.clone(),
@@ -622,7 +622,8 @@ impl Script {
                         match (&texts[..], index) {
                             (&[] | &[.., None] | &[None, _, ..], _) => parts = true,
                             (&[.., Some(name)], _) if attributes::is_of_part(name) => parts = true,
-                            (&[.., Some(name)], _) if name.starts_with(CAMERA_PREFIX) => {}
+                            (&[.., Some(name)], _)
+                                if name.starts_with(CAMERA_PREFIX) || name.starts_with(PATH_PREFIX) => {}
                             (&[Some(name)] | &[Some(""), Some(name)], None) => {
                                 query(name, value.map_or(0, Type::size));
                             }
@@ -683,6 +684,21 @@ impl Script {
         }
         found
     }
+}
+
+/// Whether a group queries how often the path of a ray was scattered.
+fn reads_bounces(group: &Group) -> bool {
+    let mut found = false;
+    for layer in &group.layers {
+        each_op(&layer.shader, &mut |op| {
+            let is_name = |&id: &u32| match &layer.shader.symbol(id).value {
+                Some(Data::Str(list)) => list.iter().any(|name| attributes::is_of_bounces(name)),
+                _ => false,
+            };
+            found |= op.code == Opcode::GetAttribute && op.args.iter().any(is_name);
+        });
+    }
+    found
 }
 
 fn colors() -> Result<ColorSystem, String> {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces: points of a batch to points of a group, closures to lobes.
 //! The globals have OSL's meaning. Space: world; normals face the ray, as OSL's renderers have them. A shader
-//! with its own rays or light queries (`trace`, `illuminance`, `radiance`) is shaded as by Whitted's
+//! with its own light (`illuminance`, `radiance`, the radiance of rays) is shaded as by Whitted's
 //! renderer: its computed radiance counts as emission, and its other closures are lit by all lights.
-//! Integrators scatter the closures of all other shaders.
+//! Integrators scatter the closures of all other shaders, also of those that trace rays for distances and hits.
 //! Tests: `tests/scripts.rs`.
 
 use glam::Vec3;
@@ -19,6 +19,7 @@ use crate::emission_and_opacity::EmissionAndOpacity;
 use crate::fixed::Fixed;
 use crate::outputs::Outputs;
 use crate::parts::{Flattened, Lights, column};
+use crate::properties::Properties;
 use crate::surface_state::{Caller, points};
 use crate::world::{Common, World};
 
@@ -119,6 +120,23 @@ impl ScriptSurface {
             lists.face(lane, of(main), |n| if n == main { Vec3::ZERO } else { of(n) });
         }
     }
+
+    /// Its surroundings, with rays if it traces them.
+    fn around<'a>(&'a self, tracer: &'a mut (dyn Tracer + 'a), hits: &'a SurfaceBatch) -> World<'a> {
+        let tracer = if self.common.properties.is_traced { Some(tracer) } else { None };
+        World::around(&self.common, hits, tracer)
+    }
+
+    /// Writes the closures of all points.
+    fn write_all(&self, world: &World, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        let mut emission_and_opacity = Vec::new();
+        self.each(world, (hits, Caller::Rays), out, |first, flattened| {
+            Self::write(hits, first, flattened, &mut emission_and_opacity);
+        });
+        emission_and_opacity
+            .into_iter()
+            .for_each(|(i, emission_and_opacity)| emission_and_opacity.write(i, hits.front(i), out));
+    }
 }
 
 impl SurfaceShader for ScriptSurface {
@@ -127,14 +145,15 @@ impl SurfaceShader for ScriptSurface {
             fixed.write(hits, out);
             return;
         }
-        let world = World::around(&self.common, hits, None);
-        let mut emission_and_opacity = Vec::new();
-        self.each(&world, (hits, Caller::Rays), out, |first, flattened| {
-            Self::write(hits, first, flattened, &mut emission_and_opacity);
-        });
-        emission_and_opacity
-            .into_iter()
-            .for_each(|(i, emission_and_opacity)| emission_and_opacity.write(i, hits.front(i), out));
+        self.write_all(&World::around(&self.common, hits, None), hits, out);
+    }
+
+    fn evaluate_traced(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        if self.common.properties.is_traced {
+            self.write_all(&self.around(tracer, hits), hits, out);
+        } else {
+            self.evaluate(hits, out);
+        }
     }
 
     fn radiance(&self) -> Option<&dyn RadianceShader> {
@@ -142,15 +161,17 @@ impl SurfaceShader for ScriptSurface {
     }
 
     fn emits(&self) -> bool {
-        self.common.properties.is_light
+        // Light that depends on rays or paths is met, not sampled.
+        let Properties { is_light, is_traced, reads_bounces, .. } = self.common.properties;
+        is_light && !is_traced && !reads_bounces
     }
 
     fn even_emission(&self) -> Option<[Vec3; 2]> {
         self.fixed.as_ref().map(Fixed::emission)
     }
 
-    fn transmit(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
-        let world = World::around(&self.common, hits, None);
+    fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let world = self.around(tracer, hits);
         self.each_single(&world, hits, Caller::Shadow, |i, bsdf, through| {
             // Glass counts as thin, so that windows let light in.
             let [_, straight] = bsdf.delta_branches(-hits.ray_dir.get(i));
@@ -175,8 +196,8 @@ impl SurfaceShader for ScriptSurface {
         !(self.common.properties.is_holey || self.common.properties.is_glass)
     }
 
-    fn gaps(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
-        let world = World::around(&self.common, hits, None);
+    fn gaps(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let world = self.around(tracer, hits);
         self.each_single(&world, hits, Caller::Shadow, |i, _, through| {
             out.set(i, Vec3::splat(through.clamp(Vec3::ZERO, Vec3::ONE).min_element()));
         });

@@ -385,6 +385,10 @@ impl Host for World<'_> {
             if let Some(found) = self.element(name, index, ty, point) {
                 return Some(found);
             }
+            let of_path = |(hits, lane)| attributes::of_path(hits, lane, name);
+            if let Some(value) = self.lane(point).and_then(of_path) {
+                return attributes::converted(&value, index, ty);
+            }
             let part = attributes::is_of_part(name) && index.is_none();
             if let Some((hits, ids)) =
                 self.lane(point).filter(|_| part).and_then(|(hits, lane)| Some((hits, self.ids(hits, lane)?)))
@@ -574,7 +578,10 @@ impl Host for World<'_> {
 
 /// The properties of a ray's hit that a shader may query.
 fn message_of(met: &SurfaceHit, name: &str, ty: Type) -> Option<Given> {
-    let SurfaceHit { p, ng, ns, uv, albedo, ids, .. } = met;
+    let SurfaceHit { p, ng, ns, uv, albedo, back, ids, .. } = met;
+    if (name, ty) == ("backfacing", Type::INT) {
+        return Some(Given::from(Data::Int(vec![i32::from(*back)])));
+    }
     if ty == Type::INT {
         let number = ["instance", "object", "material", "prim"].iter().position(|known| *known == name)?;
         return Some(Given::from(Data::Int(vec![ids[number] as i32])));

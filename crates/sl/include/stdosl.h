@@ -242,6 +242,12 @@ closure color subsurface(float eta, float g, color mfp, color albedo) LIB;
 #ifndef __STRICT_OSL
 // Light that leaves the point towards the viewer, worked out by the shader itself; not OSL's.
 closure color radiance() LIB;
+// Blender's: cones of even light around the normal or the mirror image, by shares of a right angle; light that a strand along T reflects
+// or lets through, by widths of the angles along and around it.
+closure color diffuse_toon(normal N, float size, float smooth) LIB;
+closure color glossy_toon(normal N, float size, float smooth) LIB;
+closure color hair_reflection(normal N, float roughnessu, float roughnessv, vector T, float offset) LIB;
+closure color hair_transmission(normal N, float roughnessu, float roughnessv, vector T, float offset) LIB;
 #endif
 
 #ifndef NO_MATERIALX_CLOSURES

@@ -72,7 +72,7 @@ fn cover(
         let is_solid = world.materials().get(material as usize).is_solid;
         if !is_solid {
             closures.reset(points.len());
-            shader.evaluate(points, &mut closures);
+            shader.evaluate_traced(tracer, points, &mut closures);
         }
         for (k, &lane) in lanes.iter().enumerate() {
             let (pixel, share) = of(lane as usize);

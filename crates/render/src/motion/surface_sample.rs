@@ -139,7 +139,7 @@ fn see(tracer: &mut BatchTracer, camera: HitLanes, sights: &mut [SurfaceSample])
     let mut albedo = Vec3s::default();
     tracer.for_each_surface(camera, AttributeRequests::Light, |tracer, shader, lanes, points| {
         closures.reset(points.len());
-        shader.evaluate(points, &mut closures);
+        shader.evaluate_traced(tracer, points, &mut closures);
         albedo.reset(points.len(), MID_GREY);
         shader.albedo(points, &mut albedo);
         // All of these points show one.

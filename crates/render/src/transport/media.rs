@@ -182,7 +182,7 @@ fn scatter_lanes<W: Width>(
     onward: &mut Onward,
 ) {
     let (zero, lights) = (width.zero(), world.light_set());
-    let of = Of { paths, keys, numbers: &vertices.numbers[first..] };
+    let of = Of { paths, keys, cones: None, numbers: &vertices.numbers[first..] };
     let mut there = u64::MAX >> (64 - lanes);
     let mut edges = [0; LANES];
     for (i, edges) in edges.iter_mut().enumerate().take(lanes) {

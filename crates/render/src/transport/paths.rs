@@ -10,7 +10,7 @@ use gnurt_accel::{HitBatch, Ray, RayBatch};
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
-use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
+use gnurt_shading::{Bounces, RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
 use super::below::Walks;
 use super::links::LinkedPaths;
@@ -119,6 +119,8 @@ impl Boundary {
 pub(crate) struct Of<'a> {
     pub(crate) paths: &'a Paths,
     pub(crate) keys: &'a [SampleKey],
+    /// Those of their rays; `None` = counts of bounces start again.
+    pub(crate) cones: Option<&'a Cones>,
     /// Numbers of paths, one for each point.
     pub(crate) numbers: &'a [u32],
 }
@@ -290,7 +292,10 @@ impl Paths {
                 self.inside[self.count] = Boundary::after(next.boundary, inside, i, transmitted);
             }
             let [delta, transmitted, wide] = next.how.map(|bits| bits >> i & 1 != 0);
-            self.cones.kind[self.count] = RayKind::of(delta, transmitted, wide);
+            let kind = RayKind::of(delta, transmitted, wide);
+            self.cones.kind[self.count] = kind;
+            self.cones.bounces[self.count] =
+                of.cones.map_or_else(Bounces::default, |cones| cones.get(number).bounces).and(kind);
             self.keys.push(of.keys[number]);
             self.count += 1;
         }

@@ -12,7 +12,7 @@ use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::lights::{LightId, LightSet};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::sampling::purpose;
-use gnurt_shading::{Leaving, RayKind, SurfaceBatch, Vec3s};
+use gnurt_shading::{Bounces, Leaving, RayKind, SurfaceBatch, Vec3s};
 
 use super::links::LinkedPaths;
 use super::mis::{most_light_samples, power_heuristic, weigh};
@@ -215,7 +215,8 @@ impl Met<'_> {
         match lights.triangle(ids, dir) {
             Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {
                 let position = [points.u[k], points.v[k]];
-                found - lights.radiance_of_triangle(triangle, position, dir) * (1.0 - weight)
+                let emitted = lights.radiance_of_triangle(triangle, position, dir, points.t[k]);
+                found - emitted * (1.0 - weight)
             }
             _ => found * weight,
         }
@@ -281,7 +282,8 @@ fn scatter<W: Width>(
 ) {
     let (options, points, lights) = (met.options, met.points, met.world.light_set());
     let zero = width.zero();
-    let of = Of { paths: met.paths, keys: met.from.keys, numbers: &met.numbers[first..] };
+    let HitLanes { keys, cones, .. } = met.from;
+    let of = Of { paths: met.paths, keys, cones, numbers: &met.numbers[first..] };
     let there = zero.points(there);
     let wo = -vectors(zero, &points.ray_dir, first);
     let at = leaving(zero, points, first, wo);
@@ -545,6 +547,7 @@ fn hit_info<R: Real>(like: R, points: &SurfaceBatch, first: usize, wo: Vector<R>
         cos: cos.size(),
         // Each ray's own.
         kind: RayKind::default(),
+        bounces: Bounces::default(),
     }
 }
 

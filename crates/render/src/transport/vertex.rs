@@ -76,7 +76,7 @@ impl BatchTracer<'_> {
         closures: &mut ClosureBatch,
     ) -> Known {
         closures.reset(points.len());
-        shader.evaluate(points, closures);
+        shader.evaluate_traced(self, points, closures);
         let Some(shader) = shader.radiance() else { return Known::Closures };
         if self.probes {
             self.dark = radiance_only::probe(shader, points, self.options.white, closures);

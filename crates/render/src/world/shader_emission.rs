@@ -111,7 +111,7 @@ impl ShaderEmission {
             for (i, (shader_emission, at)) in some.iter().enumerate() {
                 let [u, v] =
                     if shader_emission.is_turned { [at.position[1], at.position[0]] } else { at.position };
-                (hits.u[i], hits.v[i], hits.t[i]) = (u, v, 0.0);
+                (hits.u[i], hits.v[i], hits.t[i]) = (u, v, at.distance);
                 let [position, leaf, geom_id, prim_id] = shader_emission.met;
                 (hits.leaf_id[i], leaves[i]) = (i as u32, [position, leaf]);
                 [hits.inst_id[i], hits.geom_id[i], hits.prim_id[i]] =
@@ -202,7 +202,7 @@ impl ShaderEmission {
             // Of all directions to all parts of the triangle.
             let [a, b] = looking_at((i * 7 + 3) as u32);
             let dir = -frame.to_world(cosine_hemisphere([b, a])).normalize();
-            (shader_emission, EmitterPoint { triangle: number as u32, position, dir })
+            (shader_emission, EmitterPoint { triangle: number as u32, position, dir, distance: 1.0 })
         };
         let emitter_points: Vec<_> = (0..probes).map(probe).collect();
         let mut sum = 0.0;

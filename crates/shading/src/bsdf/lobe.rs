@@ -49,11 +49,17 @@ pub enum Kind {
     Fibres,
     /// Light that one hair reflects, lets through or lets out later.
     Hair,
+    /// A cone of even light around the normal.
+    Toon,
+    /// A cone of even light around the mirror image.
+    GlossyToon,
+    /// Light that a strand reflects or lets through, by angles along and around it.
+    Strand,
 }
 
 impl Kind {
     /// In the order of their numbers.
-    pub(super) const ALL: [Self; 17] = [
+    pub(super) const ALL: [Self; 20] = [
         Self::None,
         Self::Diffuse,
         Self::Microfacets,
@@ -71,6 +77,9 @@ impl Kind {
         Self::SchlickGlass,
         Self::Fibres,
         Self::Hair,
+        Self::Toon,
+        Self::GlossyToon,
+        Self::Strand,
     ];
 
     /// Its bit in a set of kinds.
@@ -89,7 +98,7 @@ impl Kind {
     /// Whether it sends light to all sides: neither microfacets nor mirrors nor glass.
     #[must_use]
     pub fn is_wide(self) -> bool {
-        matches!(self, Self::Diffuse | Self::Translucent | Self::Sheen | Self::Fibres)
+        matches!(self, Self::Diffuse | Self::Translucent | Self::Sheen | Self::Fibres | Self::Toon)
     }
 
     /// Whether it has microfacets, or a width of slopes.
@@ -102,7 +111,11 @@ impl Kind {
     #[must_use]
     pub fn goes_through(self) -> bool {
         let is_glass = matches!(self, Self::Glass | Self::Pane | Self::SmoothGlass | Self::SmoothPane);
-        is_glass || matches!(self, Self::Translucent | Self::Beckmann | Self::SchlickGlass | Self::Hair)
+        is_glass
+            || matches!(
+                self,
+                Self::Translucent | Self::Beckmann | Self::SchlickGlass | Self::Hair | Self::Strand
+            )
     }
 }
 
@@ -335,6 +348,23 @@ impl Lobe {
         let eta = 1.0 / index.max(1.0 + 1e-4);
         let (alpha, across) = (variance.clamp(1e-4, 10.0), scale.clamp(1e-3, 100.0));
         Self { a: absorption, c: numbers, alpha, across, eta, tangent, ..Self::of(Kind::Hair) }
+    }
+
+    /// A cone of even light, white: around the normal, or around the mirror image if `glossy`. It ends linearly in a border;
+    /// `size` and `border` are angles in radians. The light does not depend on the cosine.
+    #[must_use]
+    pub fn toon(glossy: bool, size: f32, border: f32) -> Self {
+        let kind = if glossy { Kind::GlossyToon } else { Kind::Toon };
+        Self { c: Vec3::new(size, border, 0.0), ..Self::of(kind) }
+    }
+
+    /// Light that a strand along `tangent`, a unit vector to its tip, reflects, or lets through if `through`; white. `widths` are
+    /// those of angles along and around it, above 0; `offset` rotates the lobe, in radians.
+    #[must_use]
+    pub fn strand(through: bool, tangent: Vec3, [along, around]: [f32; 2], offset: f32) -> Self {
+        let c = Vec3::new(f32::from(u8::from(through)), offset, 0.0);
+        let [alpha, across] = [along, around].map(|width| width.clamp(1e-3, 100.0));
+        Self { c, alpha, across, tangent, ..Self::of(Kind::Strand) }
     }
 
     /// Upright fibres of a colour; `roughness` is glTF's, in [0, 1].

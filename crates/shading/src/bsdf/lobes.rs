@@ -163,6 +163,7 @@ impl Lobes {
             match lobe.kind {
                 Kind::Translucent => lobe.weight = Vec3::ZERO,
                 Kind::SchlickGlass if lobe.spread < 0.0 => lobe.weight = Vec3::ZERO,
+                Kind::Strand if lobe.c.x > 0.0 => lobe.weight = Vec3::ZERO,
                 Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane | Kind::Beckmann => {
                     lobe.b = Vec3::ZERO;
                 }

@@ -53,9 +53,11 @@ mod rough_dielectric;
 mod sample;
 mod scalar_lobes;
 mod sheen;
+mod strand;
 mod subsurface;
 #[cfg(test)]
 mod tests;
+mod toon;
 mod ward;
 
 use glam::Vec3;

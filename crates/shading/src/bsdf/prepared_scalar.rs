@@ -20,6 +20,9 @@ impl<R: Real> PreparedLobe<R> {
             | self.is(Kind::SchlickGlass)
             | self.is(Kind::Fibres)
             | self.is(Kind::Hair)
+            | self.is(Kind::Toon)
+            | self.is(Kind::GlossyToon)
+            | self.is(Kind::Strand)
     }
 
     /// That of point `i`, seen from `wo` in the frame of its slopes.

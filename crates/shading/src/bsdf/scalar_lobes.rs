@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rare lobes, one point at a time: by Phong, by Ward, Beckmann's microfacets, glass under Schlick's
-//! reflectances, layers of fibres, hair. Sixteen points evaluate them point by point, so that other lobes' code
+//! reflectances, layers of fibres, hair, cones of toon shading. Sixteen points evaluate them point by point, so that other lobes' code
 //! stays small.
 //! Source: see the file of each. Space: a frame with z = the shading normal and x along the slopes.
 //! Invariant: the same code for one point and for each of sixteen, so the same bits. Tests: `tests` of `bsdf`.
@@ -13,6 +13,8 @@ use super::ggx::Ggx;
 use super::hair::Hair;
 use super::lobe::Kind;
 use super::rough_dielectric::{Glass, Microfacets, Mirrored, PreparedGlass};
+use super::strand::Strand;
+use super::toon::{self, Toon};
 use super::{fibres, fresnel, phong, ward};
 use crate::real::Vector;
 
@@ -22,7 +24,10 @@ pub(super) const KINDS: u32 = Kind::Phong.bit()
     | Kind::Beckmann.bit()
     | Kind::SchlickGlass.bit()
     | Kind::Fibres.bit()
-    | Kind::Hair.bit();
+    | Kind::Hair.bit()
+    | Kind::Toon.bit()
+    | Kind::GlossyToon.bit()
+    | Kind::Strand.bit();
 
 /// A lobe at a point, with the numbers of [`Lobe`](super::Lobe).
 #[derive(Clone, Copy, Debug)]
@@ -101,6 +106,15 @@ impl ScalarLobe {
         Hair { term, absorption: self.a, variance, scale, index, tilt: self.c.y }
     }
 
+    fn strand(&self) -> Strand {
+        Strand { through: self.c.x > 0.0, widths: self.widths, offset: self.c.y }
+    }
+
+    /// A cone, and its axis.
+    fn toon(&self) -> (Toon, Vec3) {
+        (Toon::new(self.c.x, self.c.y), toon::axis(self.kind == Kind::GlossyToon, self.wo))
+    }
+
     fn beckmann(&self) -> Glass<f32, Beckmann, Rise> {
         Glass {
             slopes: Beckmann::new(self.widths),
@@ -150,6 +164,11 @@ impl ScalarLobe {
             Kind::Phong => dim(phong::albedo(self.eta, wo.z)),
             Kind::Fibres => dim(fibres::albedo(self.widths[0], wo.z)),
             Kind::Hair => View { albedo: self.hair().albedo(wo), ..View::default() },
+            Kind::Strand => dim(1.0),
+            Kind::Toon | Kind::GlossyToon => {
+                let (toon, axis) = self.toon();
+                dim(toon.albedo(axis.z))
+            }
             Kind::Ward => {
                 let sent = ward::sent_back(self.widths, wo);
                 View { hidden: sent, ..dim(sent.min(1.0)) }
@@ -180,6 +199,7 @@ impl ScalarLobe {
         match self.kind {
             Kind::Beckmann => Self { b: Vec3::ZERO, ..*self }.prepare().albedo,
             Kind::SchlickGlass if self.spread < 0.0 => Vec3::ZERO,
+            Kind::Strand if self.c.x > 0.0 => Vec3::ZERO,
             _ => self.prepare().albedo,
         }
     }
@@ -197,6 +217,11 @@ impl ScalarLobe {
                 Kind::Phong => dim(phong::eval_pdf(self.eta, self.wo, wi)),
                 Kind::Fibres => dim(fibres::eval_pdf(self.widths[0], self.wo, wi)),
                 Kind::Hair => self.hair().eval_pdf(self.wo, wi),
+                Kind::Strand => dim(self.strand().eval_pdf(self.wo, wi)),
+                Kind::Toon | Kind::GlossyToon => {
+                    let (toon, axis) = self.toon();
+                    dim(toon.eval_pdf(axis, wi))
+                }
                 Kind::Ward => dim(ward::eval_pdf(self.widths, hidden, self.wo, wi)),
                 _ => dim((0.0, 0.0)),
             }
@@ -215,6 +240,11 @@ impl ScalarLobe {
                 Kind::Phong => above(phong::sample(self.eta, self.wo, [u[1], u[2]])),
                 Kind::Fibres => fibres::sample(self.widths[0], self.wo, cosine),
                 Kind::Hair => self.hair().sample(self.wo, u),
+                Kind::Strand => self.strand().sample(self.wo, [u[1], u[2]]),
+                Kind::Toon | Kind::GlossyToon => {
+                    let (toon, axis) = self.toon();
+                    above(toon.sample(axis, [u[1], u[2]]))
+                }
                 Kind::Ward => above(ward::sample(self.widths, self.wo, [u[1], u[2]])),
                 _ => Vec3::ZERO,
             }

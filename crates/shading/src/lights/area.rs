@@ -124,6 +124,8 @@ pub struct EmitterPoint {
     pub position: [f32; 2],
     /// Unit, of a ray that comes to it: against its normal.
     pub dir: Vec3,
+    /// How far the ray comes, world units; 1 where that is unknown.
+    pub distance: f32,
 }
 
 /// Emission of triangles whose emitters have a shader.
@@ -351,7 +353,7 @@ impl TriangleLights {
         if !(cos > 0.0 && dist > 0.0) {
             return None;
         }
-        let radiance = self.radiance(chosen.index, position, dir);
+        let radiance = self.radiance(chosen.index, position, dir, dist);
         Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
     }
 
@@ -364,10 +366,10 @@ impl TriangleLights {
     }
 
     /// Exit radiance of triangle `index` at the barycentric weights of its second and third corner against a
-    /// ray along the unit `dir`.
-    pub(super) fn radiance(&self, index: usize, position: [f32; 2], dir: Vec3) -> Vec3 {
+    /// ray along the unit `dir` that comes `distance` far.
+    pub(super) fn radiance(&self, index: usize, position: [f32; 2], dir: Vec3, distance: f32) -> Vec3 {
         let mut out = [Vec3::ZERO];
-        self.radiances(&[EmitterPoint { triangle: index as u32, position, dir }], &mut out);
+        self.radiances(&[EmitterPoint { triangle: index as u32, position, dir, distance }], &mut out);
         out[0]
     }
 
@@ -395,9 +397,15 @@ impl TriangleLights {
     }
 
     /// The same where a ray along `dir` met it at these barycentric weights of the mesh's second and third corner.
-    pub(super) fn radiance_where_met(&self, index: usize, [u, v]: [f32; 2], dir: Vec3) -> Vec3 {
+    pub(super) fn radiance_where_met(
+        &self,
+        index: usize,
+        [u, v]: [f32; 2],
+        dir: Vec3,
+        distance: f32,
+    ) -> Vec3 {
         let position = if self.triangles[index].is_turned { [v, u] } else { [u, v] };
-        self.radiance(index, position, dir)
+        self.radiance(index, position, dir, distance)
     }
 }
 

@@ -115,7 +115,7 @@ impl LightSet {
         let (p, normal) = (shape.point(uv), shape.normal);
         let local = cosine_hemisphere(u_dir);
         let dir = Basis::around(normal).to_world(local).normalize();
-        let emitted = triangles.radiance(index as usize, uv, -dir);
+        let emitted = triangles.radiance(index as usize, uv, -dir, 1.0);
         Some(LightRay {
             point: SurfacePoint {
                 p,

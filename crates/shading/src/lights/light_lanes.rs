@@ -186,7 +186,8 @@ impl LightLanes {
             let mut count = 0;
             for i in LanesOf(found.to_bitmask()).filter(|&i| self.uneven[light[i] as usize]) {
                 let (triangle, slot_index, dir) = (light[i], [b1[i], b2[i]], dir.get(i));
-                (requests[count], of[count]) = (EmitterPoint { triangle, position: slot_index, dir }, i);
+                let request = EmitterPoint { triangle, position: slot_index, dir, distance: dist[i] };
+                (requests[count], of[count]) = (request, i);
                 count += 1;
             }
             let mut here = [Vec3::ZERO; LANES];

@@ -182,7 +182,7 @@ impl LightSet {
                 let dist = offset.length();
                 let dir = offset / dist;
                 let pdf = probability * shape.density_of(wide, dir, dist);
-                let radiance = triangles.radiance(i as usize, uv, dir);
+                let radiance = triangles.radiance(i as usize, uv, dir, dist);
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
             LightKind::Point(i) => {
@@ -242,12 +242,12 @@ impl LightSet {
         self.near.tree.probability(triangle, p, ns, contribution) * here
     }
 
-    /// Radiance of emissive triangle `triangle` against a ray along `dir` that hit it at these weights of the
-    /// mesh's second and third corner.
+    /// Radiance of emissive triangle `triangle` against a ray along `dir` that came `distance` far and hit it at these
+    /// weights of the mesh's second and third corner.
     #[must_use]
-    pub fn radiance_of_triangle(&self, triangle: u32, met: [f32; 2], dir: Vec3) -> Vec3 {
+    pub fn radiance_of_triangle(&self, triangle: u32, met: [f32; 2], dir: Vec3, distance: f32) -> Vec3 {
         let triangles = self.parts.triangles.as_ref();
-        triangles.map_or(Vec3::ZERO, |triangles| triangles.radiance_where_met(triangle as usize, met, dir))
+        triangles.map_or(Vec3::ZERO, |all| all.radiance_where_met(triangle as usize, met, dir, distance))
     }
 
     /// Density with which [`sample`](Self::sample) finds the environment along the unit direction `dir`.

@@ -70,6 +70,10 @@ fn each_closure_has_its_lobe() {
         ("sheen_bsdf (N, color (0.5), 0.4)", Kind::Sheen),
         ("sheen_bsdf (N, color (0.5), 0.4, \"mode\", 0)", Kind::Sheen),
         ("sheen_bsdf (N, color (0.5), 0.4, \"mode\", 1)", Kind::Fibres),
+        ("diffuse_toon (N, 0.5, 0.1)", Kind::Toon),
+        ("glossy_toon (N, 0.5, 0.1)", Kind::GlossyToon),
+        ("hair_reflection (N, 0.2, 0.5, dPdu, 0)", Kind::Strand),
+        ("hair_transmission (N, 0.2, 0.5, dPdu, 0)", Kind::Strand),
     ] {
         let found = point(&format!("Ci = {closure};"));
         let kinds: Vec<Kind> = found.bsdf.lobes().as_slice().iter().map(|lobe| lobe.kind).collect();

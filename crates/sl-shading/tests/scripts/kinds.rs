@@ -5,8 +5,8 @@ use glam::Vec3;
 use gnurt_accel::RayBatch;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{
-    AttributeRequest, CameraSamples, LightBatch, RayKind, RayRequest, SampleKey, SurfaceBatch, SurfaceShader,
-    Tracer, Vec3s,
+    AttributeRequest, Bounces, CameraSamples, LightBatch, RayKind, RayRequest, SampleKey, SurfaceBatch,
+    SurfaceShader, Tracer, Vec3s,
 };
 use gnurt_sl_shading::{CameraFrame, Kind, ParameterValue};
 
@@ -403,4 +403,51 @@ fn normals_of_raised_places_face_the_ray() {
     let shader = surface("Ci = (color (calculatenormal (P + N * 0.1 * P[0])) + 1) * emission ();");
     let normal = emitted(&*shader, &hits)[0] - Vec3::ONE;
     assert!(normal.y > 0.0 && normal.x < 0.0, "up, and away from where it is higher: {normal}");
+}
+
+#[test]
+fn closures_may_depend_on_rays() {
+    // All rays meet something in the distance 7; integrators scatter the closures.
+    let shader = script("surface s () { float d = 0; if (trace (P, N)) getmessage (\"trace\", \"hitdist\", d); Ci = (d / 8) * diffuse (N) + emission (); }")
+        .surface()
+        .expect("a surface");
+    assert!(shader.radiance().is_none() && !shader.emits(), "its light is met, not sampled");
+    let hits = floor(20);
+    let albedo = |traced: bool| {
+        let mut out = ClosureBatch::default();
+        out.reset(20);
+        match traced {
+            true => shader.evaluate_traced(&mut Probe(4.0), &hits, &mut out),
+            false => shader.evaluate(&hits, &mut out),
+        }
+        out.point(19).bsdf.albedo(Vec3::Y)
+    };
+    assert_eq!([albedo(true), albedo(false)], [Vec3::splat(0.875), Vec3::ZERO], "rays, or none");
+}
+
+#[test]
+fn paths_count_their_bounces() {
+    let mut hits = floor(2);
+    let twice = Bounces::default().and(RayKind::Diffuse).and(RayKind::Glossy).and(RayKind::Refraction);
+    hits.bounces = vec![Bounces::default(), twice.and(RayKind::Reflection).beyond()];
+    hits.t[1] = 2.5;
+    for (name, expected) in [
+        ("ray_depth", [0.0, 4.0]),
+        ("diffuse_depth", [0.0, 1.0]),
+        ("glossy_depth", [0.0, 2.0]),
+        ("transmission_depth", [0.0, 1.0]),
+        ("transparent_depth", [0.0, 1.0]),
+        ("ray_length", [1.0, 2.5]),
+        ("nothing", [-1.0, -1.0]),
+    ] {
+        let text = format!(
+            "surface s () {{ float x = -1; getattribute (\"path:{name}\", x); Ci = x * emission (); }}"
+        );
+        let shader = script(&text).surface().expect("a surface");
+        assert_eq!(shader.emits(), name == "ray_length", "{name} is sampled as a light");
+        let mut out = ClosureBatch::default();
+        out.reset(2);
+        shader.evaluate(&hits, &mut out);
+        assert_eq!([0, 1].map(|i| out.emission(i).x), expected, "{name}");
+    }
 }

@@ -35,7 +35,16 @@ impl Tracer for Above {
         let (ng, albedo) = (Vec3::NEG_Y, Vec3::new(0.1, 0.2, 0.3));
         let p = Vec3::from(ray.org) + 3.0 * Vec3::from(ray.dir);
         out.clear();
-        out.push(Some(SurfaceHit { t: 3.0, p, ng, ns: ng, uv: [0.25, 0.5], albedo, ids: [4, 5, 6, 7] }));
+        out.push(Some(SurfaceHit {
+            t: 3.0,
+            p,
+            ng,
+            ns: ng,
+            uv: [0.25, 0.5],
+            albedo,
+            back: false,
+            ids: [4, 5, 6, 7],
+        }));
     }
 
     fn random(&self, _: SampleKey, _: u32, _: u32) -> [f32; 2] {

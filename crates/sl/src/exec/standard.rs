@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The closures of OSL and MaterialX with their parameters, and `radiance`.
+//! The closures of OSL and MaterialX with their parameters, Blender's toon and hair, and `radiance`.
 //! Source: the OSL specification, chapter 7.10, and its MaterialX closures. Tests: crates/sl-shading/tests/scripts/closures.rs.
 
 use super::components::{ClosureDecl, ClosureParam};
@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 /// a thin film's thickness (nanometres) and index, and the fate of light between microfacets. `+` whether
 /// multiple scattering between microfacets is added. `?` the name of the model. `|` a film and whether both
 /// sides of a pane are one surface.
-const TABLE: [(&str, &str); 29] = [
+const TABLE: [(&str, &str); 33] = [
     ("emission", ""),
     ("background", ""),
     ("radiance", ""),
@@ -36,6 +36,10 @@ const TABLE: [(&str, &str); 29] = [
     ("subsurface_bssrdf", "VCCF>"),
     ("sheen_bsdf", "VCF?"),
     ("chiang_hair_bsdf", "VVCCCFFFFFFFFC"),
+    ("diffuse_toon", "VFF"),
+    ("glossy_toon", "VFF"),
+    ("hair_reflection", "VFFVF"),
+    ("hair_transmission", "VFFVF"),
     ("uniform_edf", "C"),
     ("anisotropic_vdf", "CCF"),
     ("medium_vdf", "CFCFFI"),
