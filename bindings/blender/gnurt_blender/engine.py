@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 
 from . import catchers, holdouts, kept, light_passes, motion, passes, seen_passes
+from .nodes import scripts
 from .scene import Export
 from .speeds import Speeds
 from .warned import Warned
@@ -31,6 +32,10 @@ class GnurtEngine(bpy.types.RenderEngine):
     bl_use_shading_nodes_custom = False
     bl_use_postprocess = True
     bl_use_eevee_viewport = True
+
+    def update_script_node(self, node=None):
+        """Blender calls this when the user changes or reloads a script."""
+        scripts.update(node, self.report)
 
     # Final pictures
 

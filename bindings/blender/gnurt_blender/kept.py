@@ -164,19 +164,37 @@ class Recorder:
         return self._put("light shader", number, key)
 
     def set(self, change):
-        key = digest(change)
-        number, (same,) = self._next("set", key)
-        if number is None:
-            self.scene.set(change)
-        elif not same:
+        keys = digest(change.rpartition("=")[0]), digest(change)
+        number, (is_one, same) = self._next("set", *keys)
+        if number is not None and not is_one:
             raise Rebuild
-        self._put("set", 0, key)
+        if not same:
+            self.scene.set(change)
+        self._put("set", 0, *keys)
 
     def render(self, *arguments, **options):
         return self.scene.render(*arguments, **options)
 
     def accumulate(self, *arguments, **options):
         return self.scene.accumulate(*arguments, **options)
+
+
+class Changing:
+    """A scene of the package that becomes other exports of the same objects, and again the first, by changes."""
+
+    def __init__(self, recorder):
+        self.scene, self.log = recorder.scene, recorder.calls
+
+    def changed(self, make):
+        """The export that `make(recorder)` makes: in this scene where that is possible, else in a new one."""
+        recorder = Recorder(self.scene, self.log)
+        try:
+            return make(recorder)
+        except Rebuild:
+            return make(Recorder())
+        finally:
+            # What is there now, also where an export was broken off.
+            self.log = [*recorder.calls, *self.log[len(recorder.calls) :]]
 
 
 def exported(name, make, is_kept):

@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from . import cameras, catchers, hashes, images, links, meshes, motion, picture_files, skies, strands, suns, volumes
+from . import cameras, catchers, hashes, images, links, meshes, motion, particles, picture_files, skies, strands, suns, volumes
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
@@ -18,6 +18,8 @@ from .warned import Warned
 
 # From the middle of our latitude-longitude pictures, which is y, to that of Blender's, which is x; degrees.
 TURN = -90.0
+# Objects that are in all parts of a picture.
+PARTS = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
 NOTHING = "surface blender_volume () { Ci = transparent(); }"
 # Where there is no material Cycles shows an untouched Principled BSDF: gloss of an index of 1.5 and a roughness of 0.5 on grey.
 GREY = 'surface blender_default () { Ci = layer(0.975 * microfacet("ggx", N, vector(0), 0.25, 0.25, 1.5, 0), 0.8 * diffuse(N)); }'
@@ -26,8 +28,8 @@ GREY = 'surface blender_default () { Ci = layer(0.975 * microfacet("ggx", N, vec
 class Surroundings:
     """What the shader of one material of one object reads: the host of `nodes.Code`."""
 
-    def __init__(self, export, material, lit_object, mesh, slot=0):
-        self.export, self.material, self.object, self.mesh, self.slot = export, material, lit_object, mesh, slot
+    def __init__(self, export, material, lit_object, mesh, slot=0, instance=None):
+        self.export, self.material, self.object, self.mesh, self.slot, self.instance = export, material, lit_object, mesh, slot, instance
         self.warn = export.warn
         self.holdout = False
         self.masks = export.masks
@@ -88,7 +90,15 @@ class Surroundings:
         return tuple(color[:3]), color[3], self.object.pass_index, (self.random_id % (1 << 32)) / float((1 << 32) - 1)
 
     def particle(self):
-        return None
+        """What the node Particle Info gives, if particles show the object."""
+        return particles.values(self.instance, self.export.scene_data.frame_current_final)
+
+    def own_set(self, code):
+        """The name of the object, to which rays can be restricted."""
+        code.uses_object = True
+        name = own_name(self.object, self.instance)
+        self.export.own_names.add(name)
+        return name
 
     def property_of(self, kind, name):
         """The value of a custom property and its opacity."""
@@ -126,6 +136,8 @@ class Export:
         self.pictures = {}
         # By instances of the package: the object and material that they show, for passes.
         self.objects, self.material_indices, self.reads_uv = {}, {}, {}
+        # Names in the package's scene by numbers; those to which rays are restricted.
+        self.names, self.own_names = {}, set()
         # By the object and the path of an instance: the numbers in the package's scene.
         self.numbers = {}
         # Shapes at moments of the shutter by object and instance, and instances whose meshes have such.
@@ -156,8 +168,8 @@ class Export:
         put_points(self.scene, self.points)
         self.world()
         links.put(self)
-        if self.part == "others":
-            catchers.hold_out(self)
+        if self.part is not None:
+            catchers.hold_out(self, self.part == "others")
         self.scene.end()
         return True
 
@@ -170,7 +182,8 @@ class Export:
             return
         matrix = np.array(instance.matrix_world, dtype=np.float64)
         rays = self.rays_of(found)
-        if not rays:
+        # Parts of a picture have the same instances, so that one becomes the other by changes.
+        if not rays and (self.part is None or found.type not in PARTS):
             return
         if found.type in {"MESH", "CURVE", "SURFACE", "FONT", "META"}:
             self.place(instance, found, matrix, rays, self.mesh_of)
@@ -222,6 +235,11 @@ class Export:
         self.objects[number] = (found, slots)
         self.numbers[self.key_of(instance, found)] = number
 
+    def name_of(self, found, instance):
+        """The name of an object, or one that no other place of it has, if rays are restricted to it."""
+        name = own_name(found, instance)
+        return name if name in self.own_names else found.name
+
     def volume(self, found, matrix):
         """Shows a volume object at a place."""
         if self.is_dark:
@@ -255,7 +273,8 @@ class Export:
             uses_object |= is_own
             for (kind, name), known in attributes.items():
                 wanted[known] = (kind, name)
-        properties = {"material": numbers, "transform": matrix, "rays": rays, "name": found.name}
+        name = self.name_of(found, instance)
+        properties = {"material": numbers, "transform": matrix, "rays": rays, "name": name}
         if len(numbers) > 1:
             places = np.zeros(len(slots), np.int32)
             places[used] = np.arange(len(used))
@@ -278,6 +297,7 @@ class Export:
         if bent:
             properties["moments"] = bent
         number = self.scene.add_mesh(arrays.vertices, arrays.faces, **properties)
+        self.names[number] = name
         if bent:
             self.bent.append(number)
         return number, uses_object
@@ -302,11 +322,14 @@ class Export:
         shape = getattr(getattr(self.scene_data, "cycles_curves", None), "shape", "RIBBONS")
         number, attributes, is_own = self.material(material, found, None, instance)
         values = {known: made.value(name.removeprefix("hair:")) for (_, name), known in attributes.items() if name.startswith("hair:")}
-        return self.scene.add_curves(
+        name = self.name_of(found, instance)
+        number = self.scene.add_curves(
             made.vertices, made.radii, counts=made.counts, basis="linear" if shape == "THICK_LINEAR" else "catmull-rom",
-            form="flat" if shape == "RIBBONS" else "round", material=number, transform=matrix, rays=rays, name=found.name,
+            form="flat" if shape == "RIBBONS" else "round", material=number, transform=matrix, rays=rays, name=name,
             attributes={known: value for known, value in values.items() if value is not None},
-        ), is_own
+        )
+        self.names[number] = name
+        return number, is_own
 
     def curves_of(self, instance, found, slots, matrix, rays):
         made = strands.of_curves(found.data)
@@ -317,8 +340,14 @@ class Export:
             return None
         points = meshes.flat(found.data.points, "co", np.float32, 3)
         radii = meshes.flat(found.data.points, "radius", np.float32)
-        number, _, is_own = self.material(slots[0], found, None, instance)
-        return self.scene.add_points(points, radii, material=number, transform=matrix, rays=rays, name=found.name), is_own
+        number, attributes, is_own = self.material(slots[0], found, None, instance)
+        random = hashes.of_number(np.arange(len(points), dtype=np.uint64)).astype(np.float32)
+        known = {"point:Position": points.reshape(-1, 3), "point:Radius": radii, "point:Random": random}
+        values = {own: np.ascontiguousarray(known[name]) for (_, name), own in attributes.items() if name in known}
+        name = self.name_of(found, instance)
+        number = self.scene.add_points(points, radii, material=number, transform=matrix, rays=rays, name=name, attributes=values)
+        self.names[number] = name
+        return number, is_own
 
     # Materials
 
@@ -333,7 +362,7 @@ class Export:
         if tree is None or not getattr(material, "use_nodes", True):
             color = ", ".join(repr(float(x)) for x in material.diffuse_color[:3])
             return self.shader(f"surface blender_plain () {{ Ci = color({color}) * diffuse(N); }}", material.name, {}), {}, False
-        host = Surroundings(self, material, found, mesh, slot)
+        host = Surroundings(self, material, found, mesh, slot, instance)
         host.random_id = instance.random_id if instance.is_instance else hashes.of_name(found.name)
         key = (material.as_pointer(), host.active_uv())
         if key in self.materials:
@@ -479,6 +508,12 @@ class Export:
         text = code.text("blender_world", [f"Ci = {result};"])
         textures = {"textures": code.textures} if code.textures else {}
         self.scene.add_light("environment", shader=text, up=(0.0, 0.0, 1.0), **textures)
+
+
+def own_name(found, instance):
+    """A name that no other place of an object has."""
+    places = [str(x) for x in instance.persistent_id if x != 2**31 - 1] if instance is not None and instance.is_instance else []
+    return " ".join([found.name, *places]).replace('"', "'")
 
 
 def is_volume_alone(material):

@@ -15,6 +15,7 @@ import loops
 import mathutils
 from gnurt_blender import kept as _, strands  # noqa: F401
 from gnurt_blender.engine import GnurtEngine
+from gnurt_blender.nodes import scripts
 from scenes import SCENES, nodes_of
 
 CHECKS = []
@@ -46,6 +47,61 @@ def unknown_nodes_are_named():
     render("GNURT", 1)
     told = bpy.context.scene.gnurt.warnings
     assert "'my gabor'" in told and "'strange'" in told, told
+
+
+SCRIPT = """
+// A comment with a { bracket.
+float twice(float x) { return 2.0 * x; }
+shader ramp(float Fac = 0.25 [[ string help = "a, b" ]], color A = color(1, 0.5, 0), vector Where = P, string mode = "plain", int k = 2,
+    output color Out = 0, output float Height = 0)
+{
+    /* Its own names. */
+    color t1 = mix(A, color(0, 0.2, 1), twice(Fac));
+    if (mode == "plain")
+        Out = t1 * k;
+    Height = Where[2];
+}
+"""
+
+
+@check
+def scripts_are_shaders():
+    def shown(with_script):
+        start()
+        floor()
+        made = material("scripted", "ShaderNodeBsdfDiffuse", Roughness=0.2)
+        tree, _, shader = nodes_of(made)
+        texture = tree.nodes.new("ShaderNodeTexNoise")
+        if with_script:
+            node, words = tree.nodes.new("ShaderNodeScript"), bpy.data.texts.new("ramp.osl")
+            words.write(SCRIPT)
+            node.mode, node.script = "INTERNAL", words
+            scripts.update(node, print)
+            assert [each.name for each in node.inputs] == ["Fac", "A", "Where", "mode", "k"], list(node.inputs)
+            assert abs(node.inputs["Fac"].default_value - 0.25) < 1e-6 and node.inputs["k"].default_value == 2
+            node.inputs["k"].default_value, node.inputs["mode"].default_value = 1, "plain"
+            tree.links.new(texture.outputs[0], node.inputs["Fac"])
+            tree.links.new(node.outputs["Out"], shader.inputs["Color"])
+            tree.links.new(node.outputs["Height"], shader.inputs["Roughness"])
+        else:
+            mix, twice, where, parts = (tree.nodes.new(n) for n in ("ShaderNodeMix", "ShaderNodeMath", "ShaderNodeNewGeometry", "ShaderNodeSeparateXYZ"))
+            mix.data_type, twice.operation, twice.inputs[1].default_value = "RGBA", "MULTIPLY", 2.0
+            mix.clamp_factor = False
+            sockets = {each.identifier: each for each in mix.inputs}
+            sockets["A_Color"].default_value, sockets["B_Color"].default_value = (1, 0.5, 0, 1), (0, 0.2, 1, 1)
+            tree.links.new(texture.outputs[0], twice.inputs[0])
+            tree.links.new(twice.outputs[0], sockets["Factor_Float"])
+            tree.links.new(next(each for each in mix.outputs if each.identifier == "Result_Color"), shader.inputs["Color"])
+            tree.links.new(where.outputs["Position"], parts.inputs[0])
+            tree.links.new(parts.outputs["Z"], shader.inputs["Roughness"])
+        shape("cube", (0, 0, 1), made)
+        camera()
+        light("SUN", (2, -3, 4), 2)
+        picture = render("GNURT", 4)
+        assert not bpy.context.scene.gnurt.warnings, bpy.context.scene.gnurt.warnings
+        return picture
+
+    assert np.abs(shown(True) - shown(False)).max() < 1e-4
 
 
 @check

@@ -11,6 +11,7 @@ import time
 
 from common import bpy, mask, np, png, render, start
 from scenes import SCENES
+import node_scenes  # noqa: F401  it fills SCENES
 
 BAR = 0.03
 

@@ -178,3 +178,8 @@ for name, kind in (("sky of single scattering", "SINGLE_SCATTERING"), ("sky of m
         *each("aerosol_density", [0.0, 3.0]), *each("ozone_density", [0.0, 3.0]), {"sun_elevation": 0.1, "sun_rotation": 2.0},
         sky_type=kind, sun_disc=False, Vector=OBJECT,
     )
+case(
+    "ambient occlusion", "ShaderNodeAmbientOcclusion", {"Distance": 0.3}, {"Distance": 1.0}, {"Distance": 0.6, "only_local": True}, {"Distance": 0.4, "inside": True, "only_local": True},
+    {"Distance": 0.5, "out": "AO"}, samples=64, Color=(0.9, 0.7, 0.5, 1),
+)
+case("bevel", "ShaderNodeBevel", {"Radius": 0.1}, {"Radius": 0.3}, samples=16)

@@ -5,7 +5,7 @@ The meaning of each node is that of Blender's manual and of pictures that Cycles
 Tests: `bindings/blender/tests`.
 """
 
-from . import colors, converters, inputs, patterns, profiles, surfaces, textures, vectors  # noqa: F401  they fill the table
+from . import colors, converters, inputs, patterns, profiles, rays, scripts, surfaces, textures, vectors  # noqa: F401  they fill the table
 from .tree import Code, compile_tree
 
 __all__ = ["Code", "compile_tree"]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that change colours."""
 
+from .rays import queried
 from .tree import node
 
 
@@ -31,6 +32,15 @@ def invert(p):
 
 @node("LIGHT_FALLOFF")
 def light_falloff(p):
-    p.warn("only falloffs of points and spots are shown, directly below their Emission nodes")
     strength = p.var("float", p.f("Strength"))
-    return {name: ("float", strength) for name in ("Quadratic", "Linear", "Constant")}
+    if p.code.kind != "surface":
+        return {name: ("float", strength) for name in ("Quadratic", "Linear", "Constant")}
+    # Lamps are surfaces here: the light falls with the square of the length of the ray by itself.
+    length = queried(p.code, "float", "path:ray_length")
+    if not p.is_constant("Smooth", 0.0):
+        strength = p.var("float", f"{strength} * {length} * {length} / (max({p.f('Smooth')}, 0.0) + {length} * {length})")
+    return {
+        "Quadratic": ("float", strength),
+        "Linear": ("float", f"{strength} * {length}"),
+        "Constant": ("float", f"{strength} * {length} * {length}"),
+    }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nodes that read the surroundings of a point: coordinates, geometry, objects, rays, attributes, angles to the viewer."""
+"""Nodes that read the surroundings of a point: coordinates, geometry, objects, attributes, angles to the viewer."""
 
 from .tree import node, number, triple
 
@@ -156,36 +156,6 @@ def object_info(p):
     return made
 
 
-@node("LIGHT_PATH")
-def light_path(p):
-    environment = p.code.kind == "environment"
-    wanted = {link.from_socket.identifier for output in p.node.outputs for link in output.links}
-    reflection = 'raytype("reflection")'
-    made = {
-        "Is Camera Ray": 'float(raytype("camera"))',
-        "Is Shadow Ray": 'float(raytype("shadow"))',
-        "Is Diffuse Ray": 'float(raytype("diffuse"))',
-        "Is Glossy Ray": f'float(raytype("glossy") || {reflection})',
-        "Is Singular Ray": f"float({reflection})",
-        "Is Reflection Ray": f'float(raytype("diffuse") || raytype("glossy") || {reflection})',
-        "Is Transmission Ray": 'float(raytype("refraction"))',
-        "Is Volume Scatter Ray": "0.0",
-        "Ray Depth": 'float(!raytype("camera") && !raytype("shadow"))',
-        "Diffuse Depth": 'float(raytype("diffuse"))',
-        "Glossy Depth": f'float(raytype("glossy") || {reflection})',
-        "Transmission Depth": 'float(raytype("refraction"))',
-        "Transparent Depth": "0.0",
-        "Portal Depth": "0.0",
-        "Ray Length": "0.0" if environment else f"({camera_distance(p.code)} * raytype(\"camera\"))",
-    }
-    for name in ("Ray Depth", "Diffuse Depth", "Glossy Depth", "Transmission Depth", "Transparent Depth"):
-        if name in wanted:
-            p.warn(f"output '{name}' knows the last ray only")
-    if "Ray Length" in wanted:
-        p.warn("output 'Ray Length' knows rays of the camera only")
-    return {name: ("float", expression) for name, expression in made.items()}
-
-
 def camera_distance(code):
     # Rays begin at the near plane.
     at = code.var("vector", camera_space(code))
@@ -290,6 +260,16 @@ def hair_info(p):
     return made
 
 
+@node("POINT_INFO")
+def point_info(p):
+    code = p.code
+    if code.kind == "environment":
+        return {}
+    # Positions are those of the world.
+    center = f'vector(transform("object", "world", point({code.attribute("vector", "point:Position")})))'
+    return {"Position": ("vector", center)} | {name: ("float", code.attribute("float", f"point:{name}")) for name in ("Radius", "Random")}
+
+
 @node("PARTICLE_INFO")
 def particle_info(p):
     code = p.code
@@ -298,15 +278,3 @@ def particle_info(p):
     if values is None:
         return {}
     return {name: ("vector", triple("vector", x)) if hasattr(x, "__len__") else ("float", number(x)) for name, x in values.items()}
-
-
-@node("AMBIENT_OCCLUSION")
-def ambient_occlusion(p):
-    p.warn("ambient occlusion is not computed; it counts as 1")
-    return {"Color": ("color", p.c("Color")), "AO": ("float", "1.0")}
-
-
-@node("BEVEL")
-def bevel(p):
-    p.warn("edges are not rounded")
-    return {"Normal": ("vector", p.normal())}

@@ -4,6 +4,8 @@
 Shading models: docs/reference/materials.md. The Principled BSDF is layered: sheen, coat, emission, then metal, glass and plastic.
 """
 
+import bpy
+
 from .inputs import radial_tangent, uv_tangent
 from .tree import node, socket_value
 
@@ -82,6 +84,10 @@ def film_of(p):
 def rough_diffuse(p, n, color, roughness):
     p.need("surfaces")
     n = p.var("vector", n)
+    if bpy.app.version < (4, 3):
+        # Pictures of Blender 4.2 are between surfaces with and without light between their facets.
+        whole = f'oren_nayar_diffuse_bsdf({n}, min({color}, color(1)), {roughness}, "energy_compensation", 1)'
+        return f"0.4 * {color} * oren_nayar({n}, {roughness}) + (0.6 * b_rough({color}, {roughness}, {n}, I)) * {whole}"
     return f'b_rough({color}, {roughness}, {n}, I) * oren_nayar_diffuse_bsdf({n}, min({color}, color(1)), {roughness}, "energy_compensation", 1)'
 
 
@@ -184,8 +190,8 @@ def subsurface(p):
 
 @node("BSDF_TOON")
 def toon(p):
-    p.warn("toon shading is shown as diffuse reflection")
-    return {"BSDF": ("closure color", f"{color_of(p)} * diffuse({p.normal()})")}
+    name = "glossy_toon" if p.component == "GLOSSY" else "diffuse_toon"
+    return {"BSDF": ("closure color", f"{color_of(p)} * {name}({p.normal()}, {share(p, 'Size')}, {share(p, 'Smooth')})")}
 
 
 @node("BSDF_HAIR_PRINCIPLED")
@@ -214,9 +220,11 @@ def principled_hair(p):
 
 @node("BSDF_HAIR")
 def hair(p):
-    p.warn("hair is shown as diffuse reflection and transmission")
-    color = color_of(p)
-    return {"BSDF": ("closure color", f"0.5 * {color} * diffuse(N) + 0.5 * {color} * translucent(N)")}
+    tangent = p.v("Tangent") if p.is_linked("Tangent") else "dPdu"
+    tangent = p.var("vector", f"normalize({tangent})")
+    widths = ", ".join(f"clamp({p.f(name)}, 0.001, 1.0)" for name in ("RoughnessU", "RoughnessV"))
+    name = "hair_reflection" if p.component == "Reflection" else "hair_transmission"
+    return {"BSDF": ("closure color", f"{color_of(p)} * {name}(N, {widths}, {tangent}, {p.f('Offset')})")}
 
 
 @node("BSDF_RAY_PORTAL")
