@@ -6,12 +6,14 @@ Not covered by tests, because they run without a window.
 
 import numpy as np
 
-from . import cameras
+from . import cameras, catchers, passes
 from .scene import Export
 from .warned import Warned
 
 # Pixels of the first picture after a change: every second one across and down.
 COARSE = 2
+# Samples of what shadow catchers show of the background; they come before the picture.
+CATCHING = 8
 
 
 class Viewport:
@@ -20,10 +22,12 @@ class Viewport:
     def __init__(self, engine, context, depsgraph):
         self.engine, self.warned = engine, Warned()
         self.view = self.seen(context)
-        self.export = Export(depsgraph, self.size, view=self.view, warned=self.warned)
+        self.has_catchers = catchers.are_there(depsgraph)
+        part = "others" if self.has_catchers else None
+        self.export = Export(depsgraph, self.size, view=self.view, warned=self.warned, part=part)
         self.export.put_all()
         self.key = self.key_of(context)
-        self.growing, self.texture, self.is_coarse = None, None, True
+        self.growing, self.texture, self.is_coarse, self.caught = None, None, True, None
 
     def key_of(self, context):
         region, data = context.region, context.region_data
@@ -69,13 +73,27 @@ class Viewport:
             self.is_coarse = False
             self.engine.tag_redraw()
             width, height = (max(1, n // COARSE) for n in self.size)
-            return self.export.scene.render(width, height, spp=1, **options)
+            self.catch(width, height, 1, options)
+            return self.shown(self.export.scene.render(width, height, spp=1, **options))
         if self.growing is None:
+            self.catch(*self.size, min(CATCHING, settings.preview_samples), options)
             self.growing = self.export.scene.accumulate(*self.size, spp=settings.preview_samples, **options)
         picture = next(self.growing, None)
         if picture is not None:
             self.engine.tag_redraw()
-        return picture
+        return picture if picture is None else self.shown(picture)
+
+    def catch(self, width, height, samples, options):
+        """Renders what shadow catchers show, while the scene is not being rendered."""
+        if self.has_catchers:
+            options["layers"] = True
+            self.caught = catchers.Caught(self.export, {**options, "width": width, "height": height, "spp": samples}, None)
+
+    def shown(self, picture):
+        """A picture with what shadow catchers show."""
+        if self.caught is None:
+            return picture
+        return self.caught.put(passes.combined(picture, True), False)
 
     def upload(self, picture):
         import gpu

@@ -524,7 +524,7 @@ def the_viewport_shows_what_the_camera_sees():
 
     from gnurt_blender.viewport import Viewport
 
-    for name in ("orthographic", "shifted"):
+    for name in ("orthographic", "shifted", "shadow_catcher"):
         start()
         SCENES[name]()
         seen = bpy.context.scene.camera
@@ -534,7 +534,7 @@ def the_viewport_shows_what_the_camera_sees():
         data = SimpleNamespace(
             view_matrix=seen.matrix_world.inverted(),
             window_matrix=seen.calc_matrix_camera(depsgraph, x=128, y=128),
-            is_perspective=name == "shifted",
+            is_perspective=name != "orthographic",
             view_perspective="CAMERA",
             view_camera_zoom=0,
             view_camera_offset=(0, 0),
@@ -548,7 +548,8 @@ def the_viewport_shows_what_the_camera_sees():
         assert pictures[0].shape[:2] == (64, 64) and len(asked) == len(pictures) >= 3
         # Means of blocks: the noise differs.
         a, b = (p[..., :3].reshape(8, 16, 8, 16, 3).mean((1, 3, 4)) for p in (pictures[-1], whole))
-        assert np.abs(a - b).max() < 0.05, f"{name}: differs by {np.abs(a - b).max()}"
+        # Shadow catchers have fewer samples.
+        assert np.abs(a - b).max() < (0.1 if name == "shadow_catcher" else 0.05), f"{name}: differs by {np.abs(a - b).max()}"
 
 
 @check
