@@ -438,7 +438,6 @@ fn paths_count_their_bounces() {
         ("transmission_depth", [0.0, 1.0]),
         ("transparent_depth", [0.0, 1.0]),
         ("ray_length", [1.0, 2.5]),
-        ("nothing", [-1.0, -1.0]),
     ] {
         let text = format!(
             "surface s () {{ float x = -1; getattribute (\"path:{name}\", x); Ci = x * emission (); }}"
