@@ -11,7 +11,7 @@ import traceback
 import bpy
 import numpy as np
 
-from . import catchers, holdouts, kept, light_passes, motion, passes, seen_passes
+from . import aovs, catchers, holdouts, kept, light_passes, motion, passes, seen_passes
 from .nodes import scripts
 from .scene import Export
 from .speeds import Speeds
@@ -120,8 +120,9 @@ class GnurtEngine(bpy.types.RenderEngine):
         options |= {"max_depth": settings.max_depth, "seed": settings.seed, "threads": settings.threads, "filter": "blackman-harris"}
         options["layers"] = bool(wanted) or transparent or settings.denoise
         found, light = passes.mattes(layer), light_passes.layers(wanted)
-        if found or light:
-            options |= {"layers": ["all", *(word for word, _ in found), *light], "crypto_depth": passes.matte_depth(layer)}
+        own = aovs.layers(export, wanted)
+        if found or light or own:
+            options |= {"layers": ["all", *(word for word, _ in found), *light, *own], "crypto_depth": passes.matte_depth(layer)}
         if settings.clamp > 0:
             options["clamp"] = settings.clamp
         if settings.noise > 0:

@@ -6,7 +6,7 @@ Blender's rows begin with the lowest; ours with the upper one. Depth is that alo
 
 import numpy as np
 
-from . import hashes, light_passes
+from . import aovs, hashes, light_passes
 
 # Property of the view layer: (name of the pass, channels, kind). Properties that are missing in a version are skipped.
 PASSES = {
@@ -45,7 +45,7 @@ def wanted(layer, warn=None):
             warn(f"view layer '{layer.name}': the pass {NAMED[name]} is not rendered")
     found = {entry[0]: entry for name, entry in PASSES.items() if light_passes.is_on(layer, name)}
     names = [f"{name}{level:02}" for _, name in mattes(layer) for level in range((matte_depth(layer) + 1) // 2)]
-    return found | light_passes.wanted(layer) | {name: (name, 4, "rgba", "COLOR") for name in names}
+    return found | light_passes.wanted(layer) | aovs.wanted(layer) | {name: (name, 4, "rgba", "COLOR") for name in names}
 
 
 def mattes(layer):
@@ -100,6 +100,8 @@ def of_picture(picture, entry, export, others):
         return others[name]
     if name in light_passes.BY_NAME:
         return light_passes.of_picture(picture, name)
+    if entry in aovs.entries(export.view_layer):
+        return aovs.of_picture(picture, entry, export)
     hit = np.isfinite(picture["depth"])
     if name == "Depth":
         depth = picture["Z"] if export.view.parameters.get("kind", 0) < 2 else picture["depth"]

@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from . import cameras, catchers, hashes, images, links, meshes, motion, particles, picture_files, skies, strands, suns, volumes
+from . import aovs, cameras, catchers, hashes, images, links, meshes, motion, particles, picture_files, skies, strands, suns, volumes
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
@@ -138,6 +138,8 @@ class Export:
         self.objects, self.material_indices, self.reads_uv = {}, {}, {}
         # Names in the package's scene by numbers; those to which rays are restricted.
         self.names, self.own_names = {}, set()
+        # Names of passes that materials write.
+        self.aovs = set()
         # By the object and the path of an instance: the numbers in the package's scene.
         self.numbers = {}
         # Shapes at moments of the shutter by object and instance, and instances whose meshes have such.
@@ -376,6 +378,8 @@ class Export:
             medium = volumes.of_body(self, code, tree, output, found, np.array(instance.matrix_world)) if mesh is not None and not self.masks else None
             surface = compile_tree(code, tree, output.inputs["Surface"])
             result = [f"Ci = {surface};"] if surface else []
+            result += aovs.statements(code, tree) if self.part in {None, "others"} and not self.masks else []
+            self.aovs |= code.aovs
         text = NOTHING if is_volume_alone(material) else code.text("blender_material", result or ["Ci = 0;"])
         number = self.shader(text, material.name, code.textures, material.pass_index, medium)
         self.material_indices[number] = material.pass_index

@@ -218,6 +218,40 @@ KINDS = ("Diffuse", "Glossy", "Transmission")
 
 
 @check
+def passes_of_materials_are_those_of_cycles():
+    """Passes that AOV Output nodes write, and one that no material writes."""
+    if not has_openexr("passes of materials"):
+        return
+    start()
+    SCENES["point_lights"]()
+    layer = bpy.context.view_layer
+    for name, kind in (("my tint", "COLOR"), ("height", "VALUE"), ("nothing", "COLOR")):
+        made = layer.aovs.add()
+        made.name, made.type = name, kind
+    for body, tint in (("Cube", (0.7, 0.2, 0.4, 1)), ("Ball", (0.1, 0.9, 2.0, 1))):
+        tree = bpy.data.materials[body].node_tree
+        where, parts = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeSeparateXYZ")
+        tree.links.new(where.outputs["Position"], parts.inputs[0])
+        for name, socket in (("my tint", "Color"), ("height", "Value")):
+            node = tree.nodes.new("ShaderNodeOutputAOV")
+            node.aov_name = name
+            if socket == "Color":
+                node.inputs[0].default_value = tint
+            else:
+                tree.links.new(parts.outputs["Z"], node.inputs[1])
+    ours, theirs = layers("GNURT"), layers("CYCLES")
+    assert not bpy.context.scene.gnurt.warnings, bpy.context.scene.gnurt.warnings
+    for name in [name for name in theirs if name.startswith(("my tint", "height", "nothing"))]:
+        if name.endswith(".A"):
+            continue
+        a, b = ours.get(name), theirs[name]
+        assert a is not None, f"{name} is missing; there are {sorted(ours)}"
+        far = max(np.abs(b).max(), 1e-3)
+        assert (np.abs(a - b) < 0.03 * far).mean() > 0.97, f"{name}: {(np.abs(a - b) < 0.03 * far).mean()}"
+        assert name.startswith("nothing") or b.max() > 0.1, name
+
+
+@check
 def passes_of_light_add_up():
     if not has_openexr("passes of light"):
         return

@@ -51,6 +51,8 @@ class Code:
         self.kind, self.host = kind, host
         self.lines, self.files, self.parameters = [], [], {}
         self.textures, self.attributes = {}, {}
+        # Names of passes that it writes.
+        self.aovs = set()
         # Texts of functions that nodes write themselves, by name.
         self.extra = {}
         self.count = 0
