@@ -490,9 +490,12 @@ def sky(kind, elevation, strength, **settings):
     node.inputs["Strength"].default_value = strength
     tree = bpy.context.scene.world.node_tree
     made = tree.nodes.new("ShaderNodeTexSky")
-    made.sky_type, made.sun_elevation, made.sun_rotation = kind, math.radians(elevation), math.radians(200)
+    # Blender 4 has one sky of scattering, by another name.
+    kinds = {each.identifier for each in made.bl_rna.properties["sky_type"].enum_items}
+    made.sky_type = kind if kind in kinds else "NISHITA"
+    made.sun_elevation, made.sun_rotation = math.radians(elevation), math.radians(200)
     for name, value in settings.items():
-        setattr(made, name, value)
+        setattr(made, name if hasattr(made, name) else name.replace("aerosol", "dust"), value)
     tree.links.new(made.outputs[0], node.inputs["Color"])
     camera((0, -7, 2.2), (0, 0, 1.1), 32)
     return made

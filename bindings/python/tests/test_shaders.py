@@ -134,3 +134,33 @@ def test_documents_of_materialx(tmp_path):
     ]:
         with pytest.raises((ValueError, TypeError), match=what):
             scene.shade(*arguments)
+
+
+def quad(z, half):
+    return np.array([(-half, -half, z), (half, -half, z), (half, half, z), (-half, half, z)], np.float32), np.array([(0, 1, 2), (0, 2, 3)])
+
+
+def counted(name, body):
+    """What a ceiling shows of an attribute of paths that come from a floor, which the camera sees through a sheet."""
+    scene = gnurt.Scene()
+    lamp = f'surface lamp () {{ int n = 0; getattribute("path:{name}", n); Ci = float(n) * emission(); }}'
+    for height, half, shader in ((0, 5, f"surface floor () {{ Ci = {body}; }}"), (1, 1, "surface sheet () { Ci = transparent(); }"), (20, 60, lamp)):
+        scene.add_mesh(*quad(height, half), material=scene.add_material(shader=shader))
+    scene.add_light("environment", radiance=0)
+    return float(np.asarray(scene.render(8, 8, spp=64, camera=gnurt.Camera(eye=(0, 0, 10), target=(0, 0, 0), up=(0, 1, 0), fov=3)))[..., :3].mean())
+
+
+def test_paths_count_their_bounces():
+    glossy = 'microfacet("ggx", N, vector(0), 0.2, 0.2, 0, 0)'
+    for name, body, low, high in (
+        ("diffuse_depth", "diffuse(N)", 0.88, 1.0),
+        ("ray_depth", glossy, 0.94, 1.0),
+        ("glossy_depth", "diffuse(N)", 0.0, 0.0),
+        ("glossy_depth", "reflection(N)", 1.0, 1.0),
+        # On the way there, and for some on the way from there.
+        ("transparent_depth", "diffuse(N)", 1.2, 1.7),
+        ("transparent_depth", glossy, 1.7, 2.0),
+        ("transparent_depth", "reflection(N)", 2.0, 2.0),
+    ):
+        mean = counted(name, body)
+        assert low - 1e-4 <= mean <= high + 1e-4, f"{name} after {body}: {mean}"
