@@ -82,6 +82,7 @@ impl Job {
                 integrator: Integrator::Path,
                 max_depth,
                 aovs: denoise,
+                seen: denoise,
                 ..RenderOptions::default()
             };
             let accumulation = Box::new(Accumulation::new(options).map_err(|error| error.to_string())?);

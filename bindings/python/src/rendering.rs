@@ -74,6 +74,7 @@ impl BuildRequest {
             crop: crop.map(|corners| corners.map(|x| x.max(0.0) as u32)),
             time_limit: time.map(Duration::from_secs_f64),
             aovs: layers || denoise.is_some(),
+            seen: denoise.is_some() || list.as_ref().is_some_and(LayerList::has_seen),
             light_layers: list.iter().flat_map(|list| list.light.clone()).collect(),
             mattes: Mattes {
                 kinds: list.iter().flat_map(|list| list.mattes.clone()).collect(),
@@ -226,6 +227,9 @@ impl BuildRequest {
         }
         if let Some(list) = self.list.as_ref().filter(|_| self.layers) {
             list.apply(&mut picture, light_layers);
+        }
+        if !self.list.as_ref().is_some_and(LayerList::has_seen) {
+            layers::drop_seen(&mut picture);
         }
         if let Some(scene) = &making.named {
             mattes::describe(&mut picture, scene);

@@ -177,6 +177,7 @@ mod tests {
             albedo: pixels(&mut |random, _| [0; 3].map(|_| random.between(0.4, 0.41))),
             normal: pixels(&mut |_, _| [0.0, 0.0, 1.0]),
             emission: vec![[0.0; 3]; width * height],
+            seen: None,
         }
     }
 

@@ -5,7 +5,7 @@
 //! Invariant: `color * divisor + direct` is the picture, except for stray light that moved within a few
 //! pixels; nothing here is negative. Tests: `tests`, crates/denoise/tests/filter.rs.
 
-use crate::noisy::{Noisy, Triple};
+use crate::noisy::{Noisy, Seen, Triple};
 
 /// Added to albedos before light is divided by them.
 const SOFTENING: f32 = 0.25;
@@ -38,6 +38,10 @@ impl Light {
             color: Vec::with_capacity(pixels),
             variance: Vec::with_capacity(pixels),
         };
+        if let Some(seen) = &noisy.seen {
+            light.take_seen(noisy, seen);
+            return light;
+        }
         for p in 0..pixels {
             let (color, by) = (noisy.color[p], light.divisor[p]);
             let scattered = [0, 1, 2].map(|k| (color[k].max(0.0) - noisy.emission[p][k].max(0.0)).max(0.0));
@@ -47,9 +51,20 @@ impl Light {
         }
         if noisy.emission.iter().any(|e| mean(e) > 0.0) {
             light.take_variance_from_beside(noisy);
-            light.share_stray_light(noisy);
+            light.share_stray_light(noisy, &noisy.emission);
         }
         light
+    }
+
+    /// The parts where it is known what mirrors and glass show.
+    fn take_seen(&mut self, noisy: &Noisy, seen: &Seen) {
+        for (p, color) in noisy.color.iter().enumerate() {
+            let by = self.divisor[p];
+            self.direct.push(seen.split[p].map(|x| x.max(0.0)));
+            self.color.push([0, 1, 2].map(|k| (color[k] - seen.light[p][k]).max(0.0) / by[k]));
+            self.variance.push([0, 1, 2].map(|k| seen.variance[p][k].max(0.0) / (by[k] * by[k])));
+        }
+        self.share_stray_light(noisy, &seen.split);
     }
 
     /// Where lights are visible, the variance is mostly that of their visible share: scattered light has that
@@ -72,8 +87,8 @@ impl Light {
 
     /// The neighbours along a light's edge see as much of a light that a single sample of a pixel hit: light
     /// is shared.
-    fn share_stray_light(&mut self, noisy: &Noisy) {
-        let emission_at = |q: usize| mean(&noisy.emission[q]);
+    fn share_stray_light(&mut self, noisy: &Noisy, emission: &[Triple]) {
+        let emission_at = |q: usize| mean(&emission[q]);
         let stray = |p: usize| {
             let emission = emission_at(p);
             if emission <= 0.0 {
@@ -172,6 +187,7 @@ mod tests {
             albedo: pixels().map(|p| [if p[0] < 5 { 0.7 } else { 0.0 }; 3]).collect(),
             normal: vec![[0.0, 0.0, 1.0]; width * height],
             emission: pixels().map(|p| [emission_at(p); 3]).collect(),
+            seen: None,
         }
     }
 

@@ -23,6 +23,17 @@ pub(crate) struct Noisy {
     pub(crate) normal: Vec<Triple>,
     /// The directly visible part of the colour, from lights and environment; 0 if unknown.
     pub(crate) emission: Vec<Triple>,
+    /// What is known of the light behind mirrors and smooth glass.
+    pub(crate) seen: Option<Seen>,
+}
+
+/// Light of lamps and environment that is seen directly, or in mirrors and through smooth glass only.
+pub(crate) struct Seen {
+    /// As it is in the colours, and with less noise.
+    pub(crate) light: Vec<Triple>,
+    pub(crate) split: Vec<Triple>,
+    /// Of the means of all other light.
+    pub(crate) variance: Vec<Triple>,
 }
 
 impl Noisy {
@@ -53,19 +64,30 @@ impl Noisy {
             Ok(cut(&|i| [a[i], b[i], c[i]]))
         };
         let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);
+        let is_seen = |name: &str| picture.layer(name).is_some();
+        let first = |seen: &'static str, own: &'static str| if is_seen(seen) { seen } else { own };
+        let is_known = ["seen_light", "seen_split", "seen_variance"].into_iter().all(is_seen);
+        let seen = is_known.then(|| -> Result<Seen, Error> {
+            Ok(Seen {
+                light: layer("seen_light", rgb)?,
+                split: layer("seen_split", rgb)?,
+                variance: layer("seen_variance", rgb)?,
+            })
+        });
         Ok(Self {
             width: (x1 - x0) as usize,
             height: (y1 - y0) as usize,
             color: cut(&|i| [picture.color[i][0], picture.color[i][1], picture.color[i][2]]),
             variance: layer("variance", rgb)?,
-            albedo: layer("albedo", rgb)?,
-            normal: layer("N", xyz)?,
+            albedo: layer(first("seen_albedo", "albedo"), rgb)?,
+            normal: layer(first("seen_N", "N"), xyz)?,
             // Other renderers, and layers of light, have emission by itself.
             emission: match ["unscattered", "emission"].into_iter().find(|name| picture.layer(name).is_some())
             {
                 Some(name) => layer(name, rgb)?,
                 None => vec![[0.0; 3]; (x1 - x0) as usize * (y1 - y0) as usize],
             },
+            seen: seen.transpose()?,
         })
     }
 }

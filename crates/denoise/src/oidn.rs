@@ -31,10 +31,14 @@ pub(crate) fn filter(
     let device = Device::open(&library, threads).map_err(Error::Oidn)?;
     let albedo: Vec<Triple> = noisy.albedo.iter().map(|a| a.map(|x| x.clamp(0.0, 1.0))).collect();
     let normal: Vec<Triple> = noisy.normal.iter().map(|n| n.map(|x| x.clamp(-1.0, 1.0))).collect();
+    let color: Vec<Triple> = match &noisy.seen {
+        Some(seen) => noisy.color.iter().zip(seen.light.iter().zip(&seen.split)).map(without_chance).collect(),
+        None => noisy.color.clone(),
+    };
     let images = Images {
         width: noisy.width,
         height: noisy.height,
-        color: &noisy.color,
+        color: &color,
         albedo: &albedo,
         normal: &normal,
     };
@@ -47,6 +51,11 @@ pub(crate) fn filter(
     let version = device.version();
     let version = format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
     Ok((clean, Used::Oidn { version, device: "CPU" }))
+}
+
+/// A colour with the light behind mirrors and glass from all branches in place of those that paths chose.
+fn without_chance((color, (light, split)): (&Triple, (&Triple, &Triple))) -> Triple {
+    [0, 1, 2].map(|k| (color[k] - light[k]).max(0.0) + split[k].max(0.0))
 }
 
 #[cfg(test)]

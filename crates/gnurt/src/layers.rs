@@ -11,7 +11,13 @@ use crate::mattes::is_matte;
 const WORDS: [(&str, &[&str]); 10] = [
     ("albedo", &["albedo"]),
     ("background", &[BACKGROUND]),
-    ("denoise", &["albedo", "N", "variance", "unscattered", "depth", "id", "motion", BACKGROUND]),
+    (
+        "denoise",
+        &[
+            "albedo", "N", "variance", "unscattered", "depth", "id", "motion", BACKGROUND, "seen_albedo", "seen_N",
+            "seen_light", "seen_split", "seen_variance",
+        ],
+    ),
     ("depth", &["depth", ""]),
     ("ids", &["id"]),
     ("motion", &["motion"]),
@@ -27,6 +33,8 @@ const MATTES: [(&str, &[MatteKind]); 4] = [
     ("crypto_material", &[MatteKind::Material]),
     ("crypto_asset", &[MatteKind::Asset]),
 ];
+/// Begins the names of layers of what mirrors and glass show.
+const SEEN: &str = "seen_";
 const ALL: &str = "all";
 const NONE: &str = "none";
 /// Before the name of a light or of a light group.
@@ -142,12 +150,17 @@ fn light_layer(part: &str) -> Result<LightLayer, LayerError> {
     let is_color = ["R", "G", "B", "A", "Z"].contains(&name);
     let is_matte = MatteKind::ALL.iter().any(|kind| name.starts_with(kind.layer()));
     let is_group = is_matte
-        || [GROUP_PREFIX, OUTPUT_PREFIX].iter().any(|prefix| name.starts_with(prefix))
+        || [GROUP_PREFIX, OUTPUT_PREFIX, SEEN].iter().any(|prefix| name.starts_with(prefix))
         || name == UNGROUPED;
     if is_taken || is_color || is_group || LightLayer::of_word(name).is_some() {
         return Err(LayerError::Invalid(format!("'{name}' is the name of another layer; give another one")));
     }
     sound(LightLayer { name: name.into(), expression: expression.replace(char::is_control, " ") })
+}
+
+/// Drops the layers of what mirrors and glass show, which only denoisers read.
+pub fn drop_seen(picture: &mut Picture) {
+    picture.layers.retain(|layer| !layer.name.starts_with(SEEN));
 }
 
 fn check_name(name: &str) -> Result<(), LayerError> {
@@ -162,6 +175,12 @@ fn check_name(name: &str) -> Result<(), LayerError> {
 }
 
 impl LayerList {
+    /// Whether it has the layers of what mirrors and glass show.
+    #[must_use]
+    pub fn has_seen(&self) -> bool {
+        self.names.as_ref().is_some_and(|names| names.iter().any(|name| name.starts_with(SEEN)))
+    }
+
     /// Drops the layers that are not in it; `light`: the layers of light of the picture.
     pub fn apply(&self, picture: &mut Picture, light: &[LightLayer]) {
         let Some(names) = &self.names else { return };

@@ -15,6 +15,8 @@ pub use crate::size::format_bytes;
 const PER_PIXEL: u64 = 64;
 /// Albedo, normal, position, depth, ids and background, and their bytes in the file.
 const LAYERS_PER_PIXEL: u64 = 360;
+/// What mirrors and glass show: sums, means, and their bytes in the file.
+const SEEN_PER_PIXEL: u64 = 264;
 /// A layer of light: sums, the mean, and its bytes in the file.
 const LIGHT_LAYER_PER_PIXEL: u64 = 60;
 /// The things of a pixel of one kind of mattes; and each rank, with its bytes in the file.
@@ -52,6 +54,7 @@ pub fn fitting_reach(size: [u32; 2], reach: usize, more: u64, is_firm: bool) -> 
 #[must_use]
 pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
     let layers = if options.aovs || is_denoised { LAYERS_PER_PIXEL } else { 0 };
+    let seen = if options.aovs && options.seen { SEEN_PER_PIXEL } else { 0 };
     let clean = if is_denoised { CLEAN_PER_PIXEL } else { 0 };
     let light = LIGHT_LAYER_PER_PIXEL * options.light_layers.len() as u64;
     let ranks = u64::from(options.mattes.depth) * RANK_PER_PIXEL;
@@ -59,7 +62,7 @@ pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
     let heat = if options.heatmap { HEAT_PER_PIXEL } else { 0 };
     let height = options.rows.map_or(options.height, |[top, end]| end.saturating_sub(top));
     let pixels = u64::from(options.width) * u64::from(height);
-    pixels.saturating_mul(PER_PIXEL + layers + light + mattes + clean + heat)
+    pixels.saturating_mul(PER_PIXEL + layers + seen + light + mattes + clean + heat)
 }
 
 /// Whether the picture fits into the free memory of the machine.

@@ -131,7 +131,8 @@ impl Accumulation {
     pub fn restart(&mut self, options: RenderOptions) -> Result<(), RenderError> {
         let region = options.region()?;
         if region == self.region
-            && (options.aovs, options.heatmap) == (self.options.aovs, self.options.heatmap)
+            && (options.aovs, options.seen) == (self.options.aovs, self.options.seen)
+            && options.heatmap == self.options.heatmap
             && film::tile_size(&options) == film::tile_size(&self.options)
             && options.piece == self.options.piece
             && options.rows == self.options.rows

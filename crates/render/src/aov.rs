@@ -15,6 +15,7 @@ use gnurt_accel::INVALID_ID;
 use gnurt_shading::Vec3s;
 
 use crate::held::Held;
+use crate::seen::TileSeen;
 use crate::state::{SavedState, put_f32, put_f64, put_u32};
 use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
 use crate::world::HitLanes;
@@ -32,6 +33,8 @@ pub(crate) struct TileAovs {
     /// The same for shadow catchers, and their radiance without shadow.
     caught: Vec<[f64; 4]>,
     behind: Vec<[f64; 3]>,
+    /// What mirrors and glass show, if requested.
+    pub(crate) seen: Option<TileSeen>,
 }
 
 /// The first hit of a pixel.
@@ -66,6 +69,7 @@ impl TileAovs {
             missed: vec![[0.0; 4]; pixels],
             caught: vec![[0.0; 4]; pixels],
             behind: vec![[0.0; 3]; pixels],
+            seen: None,
         }
     }
 
@@ -91,6 +95,9 @@ impl TileAovs {
         forward: Vec3,
         radiance: &Vec3s,
     ) {
+        if let Some(seen) = &mut self.seen {
+            seen.add(tracer, camera, range.clone(), radiance);
+        }
         let world = tracer.world;
         let first = range.start;
         if !tracer.direct.is_empty() {
@@ -163,6 +170,9 @@ impl SavedState for TileAovs {
             for id in [object, instance, prim, material] {
                 put_u32(id, with);
             }
+        }
+        if let Some(seen) = &mut self.seen {
+            seen.state(with);
         }
     }
 }

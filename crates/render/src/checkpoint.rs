@@ -12,7 +12,7 @@ use crate::state::SavedState;
 use crate::stats::MOST;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
-const VERSION: u64 = 4;
+const VERSION: u64 = 5;
 
 impl Accumulation {
     /// All its contents; `fingerprint` identifies the picture, see [`fingerprint`](crate::fingerprint()).
@@ -107,7 +107,8 @@ impl Accumulation {
 
     fn header(&self, fingerprint: u64) -> [u64; 9] {
         let [x0, y0, x1, y1] = self.region.map(u64::from);
-        let flags = u64::from(self.options.aovs) | u64::from(self.options.heatmap) << 1;
+        let flags = [self.options.aovs, self.options.heatmap, self.options.seen];
+        let flags = flags.iter().rev().fold(0, |bits, &flag| bits << 1 | u64::from(flag));
         [MAGIC, VERSION, fingerprint, x0, y0, x1, y1, flags, self.tiles.len() as u64]
     }
 }

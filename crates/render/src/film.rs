@@ -16,6 +16,7 @@ use crate::held::Held;
 use crate::mattes::TileMattes;
 use crate::options::RenderOptions;
 use crate::piece::Piece;
+use crate::seen::TileSeen;
 use crate::state::{SavedState, put_f64, put_u32};
 
 /// A rectangle of pixels that one thread renders at a time.
@@ -81,6 +82,9 @@ impl TileFilm {
         Self::rects(region, options)
             .map(|rect| {
                 let mut tile = Self::new(rect, options.aovs, options.aovs);
+                if let Some(aovs) = tile.aovs.as_mut().filter(|_| options.seen) {
+                    aovs.seen = Some(TileSeen::new(tile.first.len()));
+                }
                 tile.light = LightSums::new(options.light_layers.len(), tile.first.len());
                 tile.mattes = TileMattes::new(&options.mattes, tile.first.len());
                 if options.heatmap {
@@ -108,7 +112,10 @@ impl TileFilm {
         self.light.clear();
         self.mattes.clear();
         if let Some(aovs) = &mut self.aovs {
-            *aovs = TileAovs::new(self.first.len());
+            let pixels = self.first.len();
+            let seen = aovs.seen.is_some().then(|| TileSeen::new(pixels));
+            *aovs = TileAovs::new(pixels);
+            aovs.seen = seen;
         }
     }
 

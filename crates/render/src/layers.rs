@@ -10,6 +10,7 @@ use crate::aov::{FirstHit, TileAovs};
 use crate::expressions::LightLayer;
 use crate::film::TileFilm;
 use crate::pixel_grid::PixelGrid;
+use crate::seen::TileSeen;
 
 /// One plane of a picture, gathered from the tiles.
 fn gathered<T: Copy>(
@@ -77,6 +78,26 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelG
     for ((pixel, share), inside) in picture.color.iter_mut().zip(&behind[3]).zip(inside) {
         pixel[3] = (inside - share).max(0.0);
     }
+    let seen = |name: &str, channels: [&str; 3], value: &dyn Fn(&TileSeen, &TileFilm, usize) -> [f32; 3]| {
+        let of = |tile: &TileFilm, aovs: &TileAovs, i: usize| {
+            aovs.seen.as_ref().map_or([0.0; 3], |seen| value(seen, tile, i))
+        };
+        let values = gathered(tiles, grid, [0.0; 3], of);
+        let plane = |k: usize| values.iter().map(|value| value[k]).collect();
+        Layer::floats(name, [(channels[0], plane(0)), (channels[1], plane(1)), (channels[2], plane(2))])
+    };
+    let means = |sums: &[f64; 3], tile: &TileFilm| sums.map(|sum| mean(sum, tile));
+    let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);
+    let is_seen = tiles.iter().any(|tile| tile.aovs.as_ref().is_some_and(|aovs| aovs.seen.is_some()));
+    let seen = is_seen.then(|| {
+        [
+            seen("seen_albedo", rgb, &|seen, tile, i| means(&seen.albedo[i], tile)),
+            seen("seen_N", xyz, &|seen, tile, i| means(&seen.normal[i], tile)),
+            seen("seen_light", rgb, &|seen, tile, i| means(&seen.light[i], tile)),
+            seen("seen_split", rgb, &|seen, tile, i| means(&seen.split[i], tile)),
+            seen("seen_variance", rgb, &|seen, tile, i| seen.variance(i, tile.samples)),
+        ]
+    });
     let [r, g, b, a] = behind;
     picture.layers.extend([
         Layer::floats(BACKGROUND, [("R", r), ("G", g), ("B", b), ("A", a)]),
@@ -97,4 +118,5 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelG
             ],
         ),
     ]);
+    picture.layers.extend(seen.into_iter().flatten());
 }

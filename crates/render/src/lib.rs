@@ -42,6 +42,7 @@ mod progress;
 mod render;
 mod restricted;
 mod sampler;
+mod seen;
 mod services;
 mod shader_outputs;
 mod state;

@@ -150,6 +150,8 @@ pub struct RenderOptions {
     pub noise: Option<f32>,
     /// Add layers: albedo, variance, normal, position, depth, ids.
     pub aovs: bool,
+    /// With `aovs`: add layers of what mirrors and smooth glass show, for denoisers.
+    pub seen: bool,
     /// Add layers of light; only for `Path`.
     pub light_layers: Vec<LightLayer>,
     /// Add Cryptomatte's layers.
@@ -187,6 +189,7 @@ impl Default for RenderOptions {
             time_limit: None,
             noise: None,
             aovs: false,
+            seen: false,
             light_layers: Vec::new(),
             mattes: Mattes::default(),
             heatmap: false,

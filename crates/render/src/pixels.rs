@@ -54,7 +54,7 @@ pub(crate) fn show(
     shown.resize(rays.len());
     shader.show(&mut Looking { tracer, pass }, &samples, &mut shown);
     *radiance = shown;
-    tracer.direct = Vec3s::default();
+    (tracer.direct, tracer.seen) = Default::default();
 }
 
 /// A tracer whose rays are those of the camera.

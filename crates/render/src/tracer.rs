@@ -80,6 +80,8 @@ pub(crate) struct BatchTracer<'w> {
     /// Directly visible light, lane by lane; empty if it is not requested, or if the integrator does not
     /// provide it.
     pub(crate) direct: Vec3s,
+    /// The same with that behind smooth surfaces only; empty if it is not requested, or not known.
+    pub(crate) seen: Vec3s,
     /// Lanes of the camera whose light a medium scattered before it met a surface; empty if there are no media.
     pub(crate) veiled: Vec<bool>,
     /// What lanes of the camera see of holes; empty if the world has none.
@@ -137,6 +139,7 @@ impl<'w> BatchTracer<'w> {
             properties: None,
             record,
             direct: Vec3s::default(),
+            seen: Vec3s::default(),
             veiled: Vec::new(),
             held: Vec::new(),
             spare: Vec::new(),

@@ -93,6 +93,7 @@ impl Eye {
             height,
             integrator: view_request.shown.integrator(),
             aovs: view_request.shown.needs_layers() || view_request.denoised,
+            seen: view_request.denoised,
             pixel_centres: view_request.preview || self.options.pixel_centres,
             spp: if view_request.preview { 1 } else { self.options.spp },
             // For integrators with virtual lights.

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use gnurt::denoise::{self, denoise};
 use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::Picture;
-use gnurt::layers::LayerList;
+use gnurt::layers::{LayerList, drop_seen};
 use gnurt::mattes;
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
@@ -241,6 +241,9 @@ pub(super) fn appear(
     let chooses = plan.targets.picture.has_layers() && options.piece.is_none();
     if let Some(layers) = ready.list.as_ref().filter(|_| chooses) {
         layers.apply(picture, &options.light_layers);
+    }
+    if options.piece.is_none() && !ready.list.as_ref().is_some_and(LayerList::has_seen) {
+        drop_seen(picture);
     }
     if arguments.transparent && !plan.targets.picture.has_layers() {
         picture.drop_background();
@@ -478,6 +481,10 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
         crop: arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution)),
         time_limit: arguments.time,
         aovs: plan.targets.picture.has_layers() || plan.filter.is_some() || arguments.transparent,
+        // Whoever joins pieces decides about a filter.
+        seen: plan.filter.is_some()
+            || arguments.piece.is_some()
+            || arguments.layers.as_ref().is_some_and(LayerList::has_seen),
         heatmap: plan.targets.heatmap.is_some(),
         piece: arguments.piece,
         // The first band stands for all until each gets its own.

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use gnurt::denoise::{self, denoise};
 use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::{self, Opacity, Picture};
+use gnurt::layers::{LayerList, drop_seen};
 use gnurt::mattes;
 use gnurt::memory::check_memory;
 use gnurt::render::{Piece, empty_picture, pack_piece, rendered_rects, unpack_piece};
@@ -194,6 +195,9 @@ impl Whole {
         }
         if let Some(layers) = self.header.layers.as_ref().filter(|_| output.has_layers()) {
             layers.apply(&mut picture, &self.header.light_layers);
+        }
+        if !self.header.layers.as_ref().is_some_and(LayerList::has_seen) {
+            drop_seen(&mut picture);
         }
         if !output.has_layers() {
             picture.metadata.retain(|(name, _)| !mattes::is_metadata(name));

@@ -165,6 +165,7 @@ impl Header {
             integrator: self.integrator,
             piece: Some(self.piece),
             aovs: true,
+            seen: true,
             light_layers: self.light_layers.clone(),
             mattes: self.mattes.clone(),
             ..RenderOptions::default()

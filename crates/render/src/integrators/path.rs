@@ -18,6 +18,7 @@ use gnurt_shading::lights::LightId;
 use gnurt_shading::{SampleKey, Vec3s};
 use gnurt_simd::dispatch_wide;
 
+use crate::seen::most_edges;
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::transport::absorption::absorb;
 use crate::transport::links::LinkedPaths;
@@ -39,6 +40,7 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         paths.set_bodies(media.has_bodies());
     }
     wavefront.paths.start(camera.rays);
+    wavefront.seen.reset(if tracer.options.seen { camera.rays.len() } else { 0 }, Vec3::ZERO);
     if let Some(ledger) = &mut wavefront.ledger {
         ledger.start(camera.rays.len());
     }
@@ -81,6 +83,7 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         wavefront.paths.take_back((rays, keys, cones));
     }
     wavefront.hits = hits;
+    std::mem::swap(&mut tracer.seen, &mut wavefront.seen);
     tracer.wavefront = wavefront;
 }
 
@@ -118,7 +121,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     if !tracer.world.media().is_empty() {
         let Wavefront { paths, next, unshadowed, in_media, ledger, linked, .. } = &mut *wavefront;
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held: None };
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, seen: None, held: None };
         let (of, from) = ((tracer.world, options), (&*paths, from.keys));
         dispatch_wide!(
             options.level,
@@ -152,8 +155,9 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
 /// The step of the paths that met surfaces, shader by shader.
 fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let (world, options) = (tracer.world, tracer.options);
-    let Wavefront { paths, next, unshadowed, order, radiance_only, closures, ledger, linked, below, .. } =
-        wavefront;
+    let Wavefront {
+        paths, next, unshadowed, order, radiance_only, closures, ledger, linked, below, seen, ..
+    } = wavefront;
     below.begin();
     world.sort_by_material(from.hits, 0..from.hits.len(), order);
     tracer.for_each_surface_of(order, from, AttributeRequests::Light, |tracer, shader, numbers, points| {
@@ -189,7 +193,8 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         };
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
         let held = Some(&mut tracer.held).filter(|held| !held.is_empty());
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held };
+        let seen = options.seen.then_some((&mut *seen, most_edges(options)));
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, seen, held };
         scatter(&met, &mut onward);
     });
 }
@@ -229,7 +234,7 @@ fn leave(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, ra
             shares,
         };
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, held: None };
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, seen: None, held: None };
         scatter(&met, &mut onward);
     });
 }
@@ -300,6 +305,9 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefro
         let left = left_after(f32::INFINITY, [path.absorption, Vec3::ZERO]);
         let light = path.throughput * direct.get(k) * weight * left;
         let light = add(radiance, path.lane, light, path.edges, tracer.options.clamp);
+        if path.is_seen && path.edges <= most_edges(tracer.options) {
+            wavefront.seen.add(path.lane as usize, light);
+        }
         if let Some(ledger) = &mut wavefront.ledger {
             let end = ledger.paths.classes.background();
             ledger.found(i, (path.lane, light), end);

@@ -240,7 +240,7 @@ fn scatter_lanes<W: Width>(
     let how = [0, 0, u64::MAX];
     let ns = Vector::grey(zero);
     let absorption = ns;
-    let next = Scattered { ray, throughput, p, ns, pdf, absorption, cone, how, boundary: None };
+    let next = Scattered { ray, throughput, p, ns, pdf, absorption, cone, how, seen: 0, boundary: None };
     onward.next.push_all(alive, of, &next);
     if let Some(linked) = &mut onward.linked {
         LanesOf(W::R::bits(alive)).for_each(|_| linked.scatter(None));

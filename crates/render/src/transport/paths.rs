@@ -38,6 +38,8 @@ pub(crate) struct Path {
     pub(crate) absorption: Vec3,
     /// The bodies that its ray is in.
     pub(crate) inside: Inside,
+    /// Whether only smooth surfaces have scattered it.
+    pub(crate) is_seen: bool,
 }
 
 /// Where a ray was scattered with a density.
@@ -64,6 +66,7 @@ pub(crate) struct Paths {
     pub(crate) throughput: Vec3s,
     pub(crate) edges: Vec<u32>,
     layers: Vec<u32>,
+    is_seen: Vec<bool>,
     from_p: Vec3s,
     from_ns: Vec3s,
     from_pdf: Vec<f32>,
@@ -92,6 +95,8 @@ pub(crate) struct Scattered<R> {
     pub(crate) cone: Option<[R; 2]>,
     /// The kinds of the rays, as bits: delta, transmitted, diffuse.
     pub(crate) how: [u64; 3],
+    /// Rays that show what smooth surfaces show, as bits.
+    pub(crate) seen: u64,
     /// The boundary that rays may go through.
     pub(crate) boundary: Option<Boundary>,
 }
@@ -142,6 +147,7 @@ impl Paths {
             start: self.from_p.get(i),
             absorption: if self.has_media { self.absorption.get(i) } else { Vec3::ZERO },
             inside: self.inside_of(i),
+            is_seen: self.is_seen[i],
             from: (pdf != NOWHERE).then(|| Origin { p: self.from_p.get(i), ns: self.from_ns.get(i), pdf }),
         }
     }
@@ -187,6 +193,8 @@ impl Paths {
             array.clear();
             array.resize(n, value);
         }
+        self.is_seen.clear();
+        self.is_seen.resize(n, true);
         self.from_p.resize(n);
         self.from_ns.resize(n);
         self.from_pdf.clear();
@@ -248,6 +256,7 @@ impl Paths {
         let Self { throughput, from_p, from_ns, .. } = self;
         [throughput, from_p, from_ns].into_iter().for_each(|array| array.resize(n));
         self.from_pdf.resize(n, 0.0);
+        self.is_seen.resize(n, false);
         if self.has_media {
             self.absorption.resize(n);
         }
@@ -286,6 +295,7 @@ impl Paths {
             self.lane[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
             self.layers[self.count] = 0;
+            self.is_seen[self.count] = of.paths.is_seen[number] && next.seen >> i & 1 != 0;
             if self.has_bodies {
                 let inside = of.paths.inside_of(number);
                 let transmitted = next.how[1] >> i & 1 != 0;
@@ -306,6 +316,7 @@ impl Paths {
         let at = self.count;
         self.count += 1;
         (self.lane[at], self.edges[at], self.layers[at]) = (path.lane, path.edges, path.layers);
+        self.is_seen[at] = path.is_seen;
         self.keys.push(path.key);
         self.throughput.set(at, path.throughput);
         let from = path.from.unwrap_or(Origin { p: Vec3::ZERO, ns: Vec3::ZERO, pdf: NOWHERE });
@@ -460,4 +471,6 @@ pub(crate) struct Wavefront {
     pub(crate) ledger: Option<Ledger>,
     /// Where paths were scattered, if some lights do not reach everything.
     pub(crate) linked: Option<LinkedPaths>,
+    /// Light behind smooth surfaces only, by lane; empty if it is not requested.
+    pub(crate) seen: Vec3s,
 }

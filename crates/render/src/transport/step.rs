@@ -57,6 +57,8 @@ pub(crate) struct Onward<'a> {
     pub(crate) ledger: Option<&'a mut Ledger>,
     /// Notes where paths were scattered, if some lights do not reach everything.
     pub(crate) linked: Option<&'a mut LinkedPaths>,
+    /// Light behind smooth surfaces only, and the most edges of its paths, if it is requested.
+    pub(crate) seen: Option<(&'a mut Vec3s, u32)>,
     /// What lanes of the camera see of holes, if the world has holdouts.
     pub(crate) held: Option<&'a mut Vec<Held>>,
 }
@@ -179,6 +181,11 @@ impl Met<'_> {
             }
             let found = self.counted(found, lights, &path, (k, onward.linked.as_deref()));
             let light = add(onward.radiance, path.lane, path.throughput * found, path.edges, clamp);
+            if let Some((seen, most)) = &mut onward.seen
+                && (path.is_seen && path.edges <= *most && !self.is_final)
+            {
+                seen.add(path.lane as usize, light);
+            }
             if let Some(ledger) = &mut onward.ledger {
                 let (ids, dir) = (self.ids(k), self.points.ray_dir.get(k));
                 let end = ledger.paths.classes.surface(lights, ids, dir, self.material());
@@ -505,7 +512,12 @@ fn go_on<R: Real>(
     let absorption = met.absorption(first, alive, chosen.transmitted, zero);
     let how = [chosen.delta, chosen.transmitted, chosen.wide].map(R::bits);
     let boundary = met.boundary(first, R::LANES);
-    let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how, boundary };
+    let mut seen = if onward.seen.is_some() { how[0] } else { 0 };
+    for i in LanesOf(seen & R::bits(alive)) {
+        // Colours go different ways.
+        seen &= !(u64::from(met.closures.is_dispersed(first + i)) << i);
+    }
+    let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how, seen, boundary };
     onward.next.push_all(alive & sends, of, &next);
     if let Some(linked) = &mut onward.linked {
         for i in LanesOf(R::bits(alive & sends)) {

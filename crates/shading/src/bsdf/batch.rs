@@ -358,6 +358,14 @@ impl ClosureBatch {
         })
     }
 
+    /// Whether glass of point `i` bends colours into different directions.
+    #[must_use]
+    pub fn is_dispersed(&self, i: usize) -> bool {
+        let (block, lane) = (&self.blocks[i / LANES], i % LANES);
+        let lobes = &block.lobes[..block.count as usize];
+        lobes.iter().any(|rows| rows.rare != 0 && rows.get(lane).is_dispersed())
+    }
+
     /// Kinds that the sixteen points from `first` on have, as bits by [`Kind`].
     #[must_use]
     pub fn kinds(&self, first: usize) -> u32 {

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the camera sees in mirrors and through smooth glass: features for denoisers.
+//! Rays of the camera follow all branches of smooth surfaces, where paths choose one by chance, so that these
+//! layers have less noise than the light. Albedo and normal are those of the surfaces behind; shares of a pixel
+//! are those of the light. `light` is the light of lamps and environment that paths found behind smooth surfaces
+//! only, `split` the same over all branches: their means agree. Rare branches are followed by chance.
+//! Where media, holes, pixel shaders or restricted lights are, nothing is followed.
+//! Space: world. Invariant: nothing here changes the picture. Tests: crates/render/tests/seen.rs.
+
+use std::ops::Range;
+
+use glam::Vec3;
+use gnurt_accel::{Coherence, RayBatch};
+use gnurt_scene::RayMask;
+use gnurt_shading::bsdf::{ClosureBatch, left_after};
+use gnurt_shading::sampling::{purpose, sample_pair};
+use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
+
+use crate::cone::{Cone, ConeHit, Cones, fineness};
+use crate::options::RenderOptions;
+use crate::state::{SavedState, put_f64};
+use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
+use crate::transport::opacity;
+use crate::world::HitLanes;
+
+/// Path segments up to the last surface that is seen, the camera's included.
+const MOST_EDGES: u32 = 8;
+/// Segments, and transparent parts between them.
+const MOST_ROUNDS: u32 = 48;
+/// Branches with less of the light are followed by chance.
+const RARE: f32 = 0.04;
+/// Marks the random numbers of that choice.
+const CHANCE: u32 = 0x5ee;
+
+/// Path segments up to the light that counts as seen; contributions beyond are limited, if any are.
+pub(crate) fn most_edges(options: &RenderOptions) -> u32 {
+    match options.clamp {
+        _ if !options.seen => 0,
+        Some(_) => 2,
+        None => MOST_EDGES,
+    }
+}
+
+/// Sums over the samples of a tile's pixels.
+#[derive(Clone, Debug)]
+pub(crate) struct TileSeen {
+    pub(crate) albedo: Vec<[f64; 3]>,
+    pub(crate) normal: Vec<[f64; 3]>,
+    pub(crate) light: Vec<[f64; 3]>,
+    pub(crate) split: Vec<[f64; 3]>,
+    /// The light that is scattered elsewhere, and its squares.
+    rest: Vec<[f64; 3]>,
+    squares: Vec<[f64; 3]>,
+}
+
+/// A ray that is followed.
+#[derive(Clone, Copy)]
+struct Branch {
+    pixel: usize,
+    /// The share of the light at its end that the camera gets.
+    weight: Vec3,
+    /// The share of the pixel; those of all branches make 1.
+    share: f32,
+    edges: u32,
+    /// Where it was scattered, and how much is absorbed along it there.
+    start: Vec3,
+    absorption: Vec3,
+}
+
+/// Rays that are followed.
+#[derive(Default)]
+struct Branches {
+    rays: RayBatch,
+    keys: Vec<SampleKey>,
+    cones: Cones,
+    all: Vec<Branch>,
+}
+
+impl Branches {
+    fn push(&mut self, ray: gnurt_accel::Ray, key: SampleKey, cone: Cone, branch: Branch) {
+        self.rays.push(ray);
+        self.keys.push(key);
+        self.cones.resize(self.all.len() + 1);
+        self.cones.set(self.all.len(), cone);
+        self.all.push(branch);
+    }
+}
+
+impl TileSeen {
+    pub(crate) fn new(pixels: usize) -> Self {
+        let zero = || vec![[0.0; 3]; pixels];
+        let (albedo, normal, light, split) = (zero(), zero(), zero(), zero());
+        Self { albedo, normal, light, split, rest: zero(), squares: zero() }
+    }
+
+    /// Variance of the mean of the light that is scattered elsewhere, by `count` samples; 0 if it is not known.
+    pub(crate) fn variance(&self, i: usize, count: u32) -> [f32; 3] {
+        let n = f64::from(count);
+        if count < 2 {
+            return [0.0; 3];
+        }
+        [0, 1, 2].map(|k| {
+            let mean = self.rest[i][k] / n;
+            ((self.squares[i][k] / n - mean * mean).max(0.0) / (n - 1.0)) as f32
+        })
+    }
+
+    /// Adds one sample of each pixel in `range`.
+    pub(crate) fn add(
+        &mut self,
+        tracer: &mut BatchTracer,
+        camera: HitLanes,
+        range: Range<usize>,
+        radiance: &Vec3s,
+    ) {
+        let follows = follows(tracer);
+        let found = if follows { &tracer.seen } else { &tracer.direct };
+        for (pixel, lane) in range.clone().enumerate() {
+            let all = radiance.get(lane);
+            let all = if all.is_finite() { all } else { Vec3::ZERO };
+            let light = if found.is_empty() || all == Vec3::ZERO { Vec3::ZERO } else { found.get(lane) };
+            for k in 0..3 {
+                let rest = f64::from(all[k] - light[k]);
+                self.light[pixel][k] += f64::from(light[k]);
+                self.rest[pixel][k] += rest;
+                self.squares[pixel][k] += rest * rest;
+                if !follows {
+                    self.split[pixel][k] += f64::from(light[k]);
+                }
+            }
+        }
+        let has_light = follows && !found.is_empty();
+        let most = if follows { MOST_EDGES.min(tracer.options.max_depth) } else { 1 };
+        let of_camera = |lane: usize| Branch {
+            pixel: lane - range.start,
+            weight: Vec3::ONE,
+            share: 1.0,
+            edges: 1,
+            start: Vec3::from(camera.rays.get(lane).org),
+            absorption: Vec3::ZERO,
+        };
+        let mut next = self.gather(tracer, camera, range.clone(), (most, has_light), &of_camera);
+        for _ in 1..MOST_ROUNDS {
+            if next.all.is_empty() {
+                break;
+            }
+            let Branches { rays, keys, cones, all } = &next;
+            tracer.stats.secondary_rays += keys.len() as u64;
+            let hits = tracer.intersect(RayMask::OTHER, rays, keys, Coherence::Coherent);
+            let from = HitLanes { rays, keys, hits: &hits, cones: Some(cones), depth: 1 };
+            next = self.gather(tracer, from, 0..all.len(), (most, has_light), &|lane| all[lane]);
+        }
+    }
+
+    /// Adds what the rays in `range` meet; returns those that go on.
+    fn gather(
+        &mut self,
+        tracer: &mut BatchTracer,
+        from: HitLanes,
+        range: Range<usize>,
+        (most, has_light): (u32, bool),
+        of: &dyn Fn(usize) -> Branch,
+    ) -> Branches {
+        let most_light = if has_light { most_edges(tracer.options) } else { 0 };
+        if has_light {
+            let missed: Vec<usize> = range.clone().filter(|&lane| from.hits.get(lane).is_none()).collect();
+            let sky = tracer.environment(from.rays, &missed, |lane| from.is_of_camera(lane));
+            for (k, &lane) in missed.iter().enumerate() {
+                let branch = of(lane);
+                if branch.edges <= most_light {
+                    let left = left_after(f32::INFINITY, [branch.absorption, Vec3::ZERO]);
+                    add(&mut self.split[branch.pixel], branch.weight * sky.get(k) * left);
+                }
+            }
+        }
+        let mut next = Branches::default();
+        let mut closures = ClosureBatch::default();
+        let absorbs = tracer.world.materials().has_media();
+        tracer.for_each_surface_in(range, from, AttributeRequests::Light, |tracer, shader, lanes, points| {
+            closures.reset(points.len());
+            shader.evaluate(points, &mut closures);
+            let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
+            shader.albedo(points, &mut albedo);
+            let is_final = shader.radiance().is_some();
+            for (k, &lane) in lanes.iter().enumerate() {
+                let (before, key) = (of(lane as usize), from.keys[lane as usize]);
+                let mut here = before;
+                if absorbs {
+                    let way = (points.p.get(k) - before.start).length();
+                    here.weight *= left_after(way, [before.absorption, closures.medium(k).on(true)]);
+                }
+                if !is_final && before.edges <= most_light {
+                    add(&mut self.split[here.pixel], here.weight * closures.emission(k));
+                }
+                let coverage = closures.coverage(k).clamp(0.0, 1.0);
+                let hit = ConeHit::of(points, k);
+                if coverage < 1.0 {
+                    let rest = Branch {
+                        weight: before.weight * (1.0 - coverage),
+                        share: before.share * (1.0 - coverage),
+                        ..before
+                    };
+                    if let Some(rest) = chosen(tracer.options.seed, key, rest) {
+                        let ray = points.spawn(k, points.ray_dir.get(k), f32::INFINITY);
+                        next.push(ray, opacity::key_beyond(key), hit.straight(), rest);
+                    }
+                }
+                here.weight *= coverage;
+                here.share *= coverage;
+                let mut own = (albedo.get(k), 1.0);
+                if !is_final && closures.widths(k).any(|(kind, _)| kind.is_delta()) {
+                    own = follow(tracer.options.seed, (points, &closures, k), (here, key, hit), most, &mut next);
+                }
+                let (own, share) = own;
+                add(&mut self.albedo[here.pixel], here.weight * own);
+                add(&mut self.normal[here.pixel], points.facing_ns(k) * (here.share * share));
+            }
+        });
+        next
+    }
+}
+
+/// Whether smooth surfaces are followed.
+fn follows(tracer: &BatchTracer) -> bool {
+    let world = tracer.world;
+    world.media().is_empty()
+        && tracer.held.is_empty()
+        && world.pixel().is_none()
+        && tracer.wavefront.linked.is_none()
+}
+
+/// Sends the branches of a smooth surface on. Returns the albedo of its other scattering, and the share of that.
+fn follow(
+    seed: u64,
+    (points, closures, k): (&SurfaceBatch, &ClosureBatch, usize),
+    (here, key, hit): (Branch, SampleKey, ConeHit<f32>),
+    most: u32,
+    next: &mut Branches,
+) -> (Vec3, f32) {
+    let (bsdf, wo) = (closures.point(k).bsdf, -points.ray_dir.get(k));
+    let all = bsdf.albedo(wo);
+    if here.edges >= most || bsdf.is_dispersed() {
+        return (all, 1.0);
+    }
+    let (point, whole) = (points.point(k), all.element_sum().max(1e-6));
+    let (mut rest, mut share) = (all, 1.0);
+    for (i, branch) in bsdf.delta_branches(wo).into_iter().enumerate() {
+        let Some(sample) = branch else { continue };
+        rest = (rest - sample.weight).max(Vec3::ZERO);
+        let part = (sample.weight.element_sum() / whole).min(1.0);
+        share = (share - part).max(0.0);
+        let Some(ray) = point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) else { continue };
+        let beyond = Branch {
+            weight: here.weight * sample.weight,
+            share: here.share * part,
+            edges: here.edges + 1,
+            start: points.p.get(k),
+            absorption: closures.medium(k).on(!sample.transmitted),
+            ..here
+        };
+        let key = key.fork(i as u32);
+        if let Some(beyond) = chosen(seed, key, beyond) {
+            next.push(ray, key, hit.after(&sample, fineness(key)), beyond);
+        }
+    }
+    (rest, share)
+}
+
+/// The branch, if it is followed: rare ones are by chance, and count for the others.
+fn chosen(seed: u64, key: SampleKey, branch: Branch) -> Option<Branch> {
+    let size = branch.weight.max_element();
+    if size >= RARE {
+        return Some(branch);
+    }
+    if !(size > 0.0) {
+        return None;
+    }
+    let chance = size / RARE;
+    let drawn = sample_pair(seed, key.fork(CHANCE), branch.edges, purpose::CHOICE)[0];
+    (drawn < chance).then(|| Branch {
+        weight: branch.weight / chance,
+        share: branch.share / chance,
+        ..branch
+    })
+}
+
+fn add(sum: &mut [f64; 3], value: Vec3) {
+    if value.is_finite() {
+        (0..3).for_each(|k| sum[k] += f64::from(value[k]));
+    }
+}
+
+impl SavedState for TileSeen {
+    fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
+        let Self { albedo, normal, light, split, rest, squares } = self;
+        for sums in [albedo, normal, light, split, rest, squares] {
+            sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
+        }
+    }
+}
