@@ -19,12 +19,13 @@ const HARDLY_KNOWN: f32 = 4.0;
 /// Columns and rows of the cells whose noise is compared with their light.
 const CELL: usize = 8;
 
-/// Brings details back to `clean` from the noisy `color`, whose variance and smoothed variance these are.
+/// Brings details back to `clean` from the noisy `color`, whose variance and smoothed variance these are; not where
+/// light is in `rare` samples.
 pub(crate) fn bring_back(
     width: usize,
     color: &[Triple],
     variance: &[Triple],
-    smooth: &[Triple],
+    (smooth, rare): (&[Triple], &[bool]),
     clean: &mut [Triple],
 ) {
     let height = color.len() / width;
@@ -38,13 +39,13 @@ pub(crate) fn bring_back(
                 let rare = (around.noise(p) - RARE).max(0.0);
                 noise = noise.max(HARDLY_KNOWN * rare * clean[k] * clean[k]);
             }
-            let noise = STANDS_OUT * STANDS_OUT * noise;
+            let noise = crate::tune(14, 2.25) * noise;
             (1.0 - noise / (difference * difference).max(f32::MIN_POSITIVE)).max(0.0).copysign(difference)
         })
     };
     let shares: Vec<Triple> = clean.iter().enumerate().map(|(p, clean)| share(p, clean)).collect();
     for (p, clean) in clean.iter_mut().enumerate() {
-        if shares[p] == [0.0; 3] {
+        if shares[p] == [0.0; 3] || rare.get(p) == Some(&true) {
             continue;
         }
         let (x, y) = (p % width, p / width);
@@ -111,12 +112,12 @@ mod tests {
         color[7 * width + 5] = [3.0; 3];
         let variance = vec![[0.04; 3]; width * height];
         let mut clean = vec![[1.0; 3]; width * height];
-        bring_back(width, &color, &variance, &variance, &mut clean);
+        bring_back(width, &color, &variance, (&variance, &[]), &mut clean);
         assert!((0..width).all(|x| clean[3 * width + x][1] > 2.9), "the line is there again");
         assert_eq!(clean[7 * width + 5], [1.0; 3], "the pixel is not");
         let noise = vec![[2.0; 3]; width * height];
         let mut clean = vec![[1.0; 3]; width * height];
-        bring_back(width, &color, &noise, &noise, &mut clean);
+        bring_back(width, &color, &noise, (&noise, &[]), &mut clean);
         assert!(clean.iter().all(|c| *c == [1.0; 3]), "within the noise nothing is");
     }
 
@@ -133,7 +134,7 @@ mod tests {
             }
             let mut clean = vec![[1.0; 3]; width * height];
             let smooth = vec![[0.0; 3]; width * height];
-            bring_back(width, &color, &variance, &smooth, &mut clean);
+            bring_back(width, &color, &variance, (&smooth, &[]), &mut clean);
             clean
         };
         assert!(dark.iter().all(|&p| clean(1.0)[p][0] > 0.99), "they stay as the filter has them");

@@ -10,6 +10,7 @@ use std::iter::once;
 use gnurt_simd::{Level, dispatch};
 use rayon::prelude::*;
 
+use crate::light::mean;
 use crate::noisy::{Noisy, Triple};
 use crate::patches::{Memory, Planes, Reach};
 use crate::regression::{Regression, Row, TERMS};
@@ -29,6 +30,8 @@ pub(crate) struct Layers<'a> {
     pub(crate) color: &'a [Triple],
     /// Of that light.
     pub(crate) variance: &'a [Triple],
+    /// Light that determines similarity, and its variance; `None` = the same.
+    pub(crate) guide: Option<(&'a [Triple], &'a [Triple])>,
 }
 
 /// The sums over all fits.
@@ -50,9 +53,11 @@ impl Explained {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let (width, height) = (layers.noisy.width, layers.noisy.height);
-        let planes = Planes::new(reach, width, layers.color, layers.variance);
+        let (guide, noise) = layers.guide.unwrap_or((layers.color, layers.variance));
+        let planes = Planes::new(reach, width, guide, noise);
         let rows: Vec<Row> = (0..layers.color.len()).map(|p| row(layers, p)).collect();
-        let around = Around { reach, planes: &planes, rows: &rows, size: [width, height], stop };
+        let variance: Vec<f32> = layers.variance.iter().map(mean).collect();
+        let around = Around { reach, planes: &planes, rows: &rows, variance: &variance, size: [width, height], stop };
         let mut sums = vec![[0.0; 5]; width * height];
         // A band's fits reach half a band beyond it: those with even numbers do not meet, nor do those with odd ones.
         let band = (2 * reach.farthest()).next_multiple_of(16);
@@ -91,6 +96,8 @@ struct Around<'a> {
     reach: Reach,
     planes: &'a Planes,
     rows: &'a [Row],
+    /// Of light, by pixel.
+    variance: &'a [f32],
     size: [usize; 2],
     stop: &'a (dyn Fn() -> bool + Sync),
 }
@@ -101,14 +108,14 @@ impl Around<'_> {
     fn explain(&self, centres: std::ops::Range<usize>, begin: usize, sums: &mut [Sum]) -> Option<()> {
         let count = self.reach.count();
         let (mut memory, mut near) = (Memory::default(), Vec::with_capacity(count));
-        let mut weights = vec![0.0; self.size[0].div_ceil(STRIDE) * count];
-        for y in centres.step_by(STRIDE) {
+        let mut weights = vec![0.0; (self.size[0] - self.reach.first.min(self.size[0])).div_ceil(STRIDE) * count];
+        for y in centres.skip(self.reach.first).step_by(STRIDE) {
             if (self.stop)() {
                 return None;
             }
             self.planes.weights(y, STRIDE, &mut memory, &mut weights);
             for (i, weights) in weights.chunks_exact(count).enumerate() {
-                self.fit([i * STRIDE, y], weights, &mut near, begin, sums);
+                self.fit([i * STRIDE + self.reach.first, y], weights, &mut near, begin, sums);
             }
         }
         Some(())
@@ -140,7 +147,7 @@ impl Around<'_> {
         for &(q, weight) in near.iter() {
             regression.add(weight, &self.rows[q]);
         }
-        let Some(fit) = regression.solve(UNSURE) else { return };
+        let Some(fit) = regression.solve(UNSURE, self.variance[y * width + x]) else { return };
         let support = regression.weight();
         for &(q, weight) in near.iter() {
             let color = fit.at(&self.rows[q]);
@@ -184,8 +191,8 @@ mod tests {
     #[test]
     fn all_levels_and_numbers_of_threads_give_the_same_bits() {
         let noisy = noisy(61, 47, 0.1);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
-        let reach = Reach { side: 3, step: 3, patch: 1, sharpness: 0.6 };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, guide: None };
+        let reach = Reach { side: 3, step: 3, patch: 1, first: 0, sharpness: 0.6 };
         let explain = |level: Level, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             pool.install(|| Explained::of(level, &layers, reach, &|| false)).expect("nobody says stop")
@@ -204,8 +211,8 @@ mod tests {
     fn the_variance_of_a_slope_falls_by_the_pixels_that_look_alike() {
         let variance = 0.01;
         let noisy = noisy(64, 64, variance);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
-        let reach = Reach { side: 5, step: 1, patch: 2, sharpness: 0.6 };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, guide: None };
+        let reach = Reach { side: 5, step: 1, patch: 2, first: 0, sharpness: 0.6 };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
         let found = pool.install(|| Explained::of(Level::default(), &layers, reach, &|| false));
         let found = found.expect("nobody says stop");
@@ -224,8 +231,8 @@ mod tests {
     #[test]
     fn who_says_stop_gets_nothing() {
         let noisy = noisy(20, 20, 0.1);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
-        let reach = Reach { side: 3, step: 1, patch: 1, sharpness: 0.6 };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, guide: None };
+        let reach = Reach { side: 3, step: 1, patch: 1, first: 0, sharpness: 0.6 };
         assert!(Explained::of(Level::default(), &layers, reach, &|| true).is_none(), "at once");
     }
 }

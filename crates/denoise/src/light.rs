@@ -151,7 +151,7 @@ fn sides(noisy: &Noisy, p: usize) -> [Option<usize>; 4] {
 
 /// The divisor of light: the albedo if there is one.
 pub(crate) fn divisor(albedo: &Triple) -> Triple {
-    if albedo.iter().all(|&a| a < 1e-3) { [1.0; 3] } else { albedo.map(|a| a.max(0.0) + SOFTENING) }
+    if albedo.iter().all(|&a| a < 1e-3) { [1.0; 3] } else { albedo.map(|a| a.max(0.0) + crate::tune(13, 0.25)) }
 }
 
 /// The mean of three colours.

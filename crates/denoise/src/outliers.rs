@@ -13,6 +13,11 @@ use crate::noisy::Triple;
 const REACH: usize = 3;
 /// A pixel is no brighter than this times the neighbour that only an eighth of them is brighter than, or their mean.
 const BRIGHTER: f32 = 1.5;
+/// Pixels to each side among which many bright ones are no outliers, and how many are many.
+const WIDER: usize = 7;
+const MANY: f32 = 12.0;
+/// Light is in rare samples where half of the pixels have less than this share of its mean.
+const RARE: f32 = 0.3;
 /// Columns and rows of the cells in which light is summed up that was taken.
 const CELL: usize = 16;
 /// Cells to each side among which it is shared.
@@ -26,6 +31,8 @@ const MOST: f32 = 30.0;
 pub(crate) struct Outliers {
     /// Which, and how much.
     taken: Vec<(usize, Triple)>,
+    /// By pixel: whether light is in rare samples there.
+    pub(crate) rare: Vec<bool>,
 }
 
 impl Outliers {
@@ -38,22 +45,34 @@ impl Outliers {
     ) -> Self {
         let light: Vec<f32> = color.iter().map(mean).collect();
         let height = light.len() / width;
-        let of_row = |near: &mut Vec<f32>, y: usize| -> Vec<(usize, f32)> {
+        let of_row = |near: &mut Vec<f32>, y: usize| -> Vec<(usize, f32, bool)> {
             let find = |x: usize| {
                 let p = y * width + x;
-                let most = most(&light, normal, [width, height], [x, y], near)?;
-                (light[p] > most).then(|| (p, most / light[p]))
+                let (most, is_rare) = most(&light, normal, [width, height], [x, y], near)?;
+                let most = if is_rare && light[p] > most {
+                    most.max(common(&light, normal, [width, height], [x, y]))
+                } else {
+                    most
+                };
+                (is_rare || light[p] > most).then(|| (p, most / light[p], is_rare))
             };
             (0..width).filter_map(find).collect()
         };
-        let found: Vec<Vec<(usize, f32)>> = (0..height).into_par_iter().map_init(Vec::new, of_row).collect();
-        let take = |(p, retained): (usize, f32)| {
+        let found: Vec<Vec<(usize, f32, bool)>> =
+            (0..height).into_par_iter().map_init(Vec::new, of_row).collect();
+        let mut rare = vec![false; light.len()];
+        let take = |(p, retained, is_rare): (usize, f32, bool)| {
+            rare[p] = is_rare;
+            if !(retained < 1.0) {
+                return None;
+            }
             let before = color[p];
             color[p] = before.map(|x| x * retained);
             variance[p] = variance[p].map(|x| x * retained * retained);
-            (p, [0, 1, 2].map(|k| before[k] - color[p][k]))
+            Some((p, [0, 1, 2].map(|k| before[k] - color[p][k])))
         };
-        Self { taken: found.into_iter().flatten().map(take).collect() }
+        let taken = found.into_iter().flatten().filter_map(take).collect();
+        Self { taken, rare }
     }
 
     /// Distributes it; `divisor` is the divisor of light.
@@ -87,7 +106,7 @@ impl Outliers {
                     count += weight * of.2;
                 }
             }
-            let believed = count / (count + BELIEVED);
+            let believed = count / (count + crate::tune(10, 4.0));
             [0, 1, 2].map(|k| {
                 let gain = if left[k] > 0.0 { taken[k] / left[k] * believed } else { 0.0 };
                 // Towards MOST without ever reaching it.
@@ -110,14 +129,33 @@ impl Outliers {
     }
 }
 
-/// How bright a pixel may be, by its neighbours of about its orientation; `None` if there are too few.
+/// How bright pixels are that bring the light around, if there are many; else 0. Where light is in rare samples, most
+/// pixels are dark, and those that are not are no outliers.
+fn common(light: &[f32], normal: &[Triple], [width, height]: [usize; 2], [x, y]: [usize; 2]) -> f32 {
+    let n = normal[y * width + x];
+    let is_nothing = n == [0.0; 3];
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for row in y.saturating_sub(WIDER)..(y + WIDER + 1).min(height) {
+        for column in x.saturating_sub(WIDER)..(x + WIDER + 1).min(width) {
+            let q = row * width + column;
+            let m = normal[q];
+            if [column, row] != [x, y] && (is_nothing || n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > 0.5) {
+                sum += light[q];
+                squares += light[q] * light[q];
+            }
+        }
+    }
+    if sum * sum >= crate::tune(5, 12.0) * squares && sum > 0.0 { crate::tune(9, 1.5) * (squares / sum) } else { 0.0 }
+}
+
+/// How bright a pixel may be, by its neighbours of about its orientation, and whether light is in rare samples; `None` if there are too few.
 fn most(
     light: &[f32],
     normal: &[Triple],
     [width, height]: [usize; 2],
     [x, y]: [usize; 2],
     near: &mut Vec<f32>,
-) -> Option<f32> {
+) -> Option<(f32, bool)> {
     near.clear();
     let n = normal[y * width + x];
     let is_nothing = n == [0.0; 3];
@@ -137,7 +175,9 @@ fn most(
     let (_, &mut bright, _) = near.select_nth_unstable_by(rank, f32::total_cmp);
     // In the dark, where few pixels have light at all, those few are all that is known of it.
     let mean = (near.iter().sum::<f32>() + light[y * width + x]) / (near.len() + 1) as f32;
-    Some(BRIGHTER * bright.max(mean))
+    let half = near.len() / 2;
+    let (_, &mut middle, _) = near.select_nth_unstable_by(half, f32::total_cmp);
+    Some((crate::tune(20, 1.5) * bright.max(mean), middle < crate::tune(4, 0.3) * mean))
 }
 
 #[cfg(test)]

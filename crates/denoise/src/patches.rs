@@ -22,6 +22,8 @@ pub(crate) struct Reach {
     pub(crate) step: usize,
     /// Pixels of a patch to each side of its centre.
     pub(crate) patch: usize,
+    /// Column and row of the first centre: 0 or 1.
+    pub(crate) first: usize,
     /// The largest difference of two colours, in standard deviations.
     pub(crate) sharpness: f32,
 }
@@ -72,7 +74,7 @@ impl Planes {
         }
     }
 
-    /// The weights of the neighbours of each `stride`th pixel of row `y`: pixel by pixel, then by the neighbours' number.
+    /// The weights of the neighbours of each `stride`th pixel of row `y`, from the reach's first on: pixel by pixel, then by the neighbours' number.
     /// Those beyond the picture's edges mean nothing.
     #[inline(always)]
     pub(crate) fn weights(&self, y: usize, stride: usize, memory: &mut Memory, out: &mut [f32]) {
@@ -96,7 +98,7 @@ impl Planes {
                 }
             }
             for (i, out) in out[number..].iter_mut().step_by(count).enumerate() {
-                let begin = i * stride;
+                let begin = i * stride + self.reach.first;
                 let mut sum = 0.0;
                 memory.sums[begin..=begin + 2 * patch].iter().for_each(|x| sum += x);
                 *out = falloff(sum * scale);
@@ -110,7 +112,7 @@ impl Planes {
         let length = sums.len();
         let (p, var_p) = (&self.color[k][at..at + length], &self.variance[k][at..at + length]);
         let (q, var_q) = (&self.color[k][other..other + length], &self.variance[k][other..other + length]);
-        let sharp = self.reach.sharpness * self.reach.sharpness;
+        let sharp = self.reach.sharpness * self.reach.sharpness * crate::tune(11, 1.0);
         for i in 0..length {
             let difference = p[i] - q[i];
             let unseen = UNSEEN * (p[i].abs() + q[i].abs());
@@ -141,7 +143,7 @@ fn falloff(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    const REACH: Reach = Reach { side: 4, step: 2, patch: 3, sharpness: 0.6 };
+    const REACH: Reach = Reach { side: 4, step: 2, patch: 3, first: 0, sharpness: 0.6 };
 
     /// Weights by the definition, one pixel pair at a time.
     fn slow(

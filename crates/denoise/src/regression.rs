@@ -9,6 +9,8 @@ use crate::noisy::Triple;
 
 /// A constant, three each of normal and albedo, column and row.
 pub(crate) const TERMS: usize = 9;
+/// Inverse squares of slopes of relative light that are expected of normals and albedo, and of positions.
+const SLOPES: [f64; 2] = [1.0, 60.0];
 /// Terms, then three colours.
 pub(crate) const ROW: usize = TERMS + 3;
 
@@ -68,7 +70,7 @@ impl Regression {
     /// The best fit; deviations of normals and albedo below `unsure` (in their units) have no effect, and
     /// none of positions below a hundredth of their spread. `None` without neighbours.
     #[inline(always)]
-    pub(crate) fn solve(&self, unsure: f32) -> Option<Fit> {
+    pub(crate) fn solve(&self, unsure: f32, variance: f32) -> Option<Fit> {
         let weight = f64::from(self.weight());
         if !weight.is_finite() || weight <= 0.0 {
             return None;
@@ -83,10 +85,15 @@ impl Regression {
                 right[i][k] = f64::from(row[TERMS + k]);
             }
         }
-        let ridge = f64::from(unsure * unsure) * weight;
-        (1..7).for_each(|i| matrix[i][i] += ridge + 1e-4 * matrix[i][i]);
+        let ridge = f64::from(unsure * unsure * crate::tune(12, 1.0)) * weight;
+        (1..7).for_each(|i| matrix[i][i] += ridge + f64::from(crate::tune(21, 1e-4)) * matrix[i][i]);
         let spread: f64 = (7..TERMS).map(|i| matrix[i][i]).sum();
         (7..TERMS).for_each(|i| matrix[i][i] += 1e-4 * spread + 1e-30);
+        // Light hardly differs by more than itself over the range of a feature: slopes that noise explains are none.
+        let light = (0..3).map(|k| right[0][k]).sum::<f64>() / (3.0 * weight);
+        let noise = (f64::from(variance) / (light * light).max(1e-30) - f64::from(crate::tune(1, 1.0))).clamp(0.0, 1e4);
+        (1..7).for_each(|i| matrix[i][i] += f64::from(crate::tune(2, 1.0)) * noise);
+        (7..TERMS).for_each(|i| matrix[i][i] += f64::from(crate::tune(3, 60.0)) * noise);
         solve(&mut matrix, &mut right)?;
         let coefficients = right.map(|row| row.map(|x| x as f32));
         Some(Fit { centre: self.centre, coefficients, range: self.range })
@@ -160,7 +167,7 @@ mod tests {
         };
         let mut regression = Regression::around(&pixel(1.0));
         (0..400).for_each(|i| regression.add(0.1 + (i % 7) as f32, &pixel(1.0)));
-        let fit = regression.solve(1e-3).expect("there are neighbours");
+        let fit = regression.solve(1e-3, 0.0).expect("there are neighbours");
         for _ in 0..50 {
             // Far from the ends of the range, which no fit leaves.
             let at = pixel(0.2);
@@ -180,9 +187,9 @@ mod tests {
             at[TERMS..].copy_from_slice(&[value, 0.0, -value]);
             regression.add(weight, &at);
         }
-        let found = regression.solve(0.02).expect("there are neighbours").at(&at);
+        let found = regression.solve(0.02, 0.0).expect("there are neighbours").at(&at);
         assert!((found[0] - 5.0).abs() < 1e-5 && found[1] == 0.0, "the weighted mean is 5: {found:?}");
-        assert!(Regression::around(&at).solve(0.02).is_none(), "nothing comes of nothing");
+        assert!(Regression::around(&at).solve(0.02, 0.0).is_none(), "nothing comes of nothing");
     }
 
     #[test]
@@ -196,7 +203,7 @@ mod tests {
             regression.add(1.0, &at);
         }
         at[7] = 9.0;
-        let found = regression.solve(0.02).expect("there are neighbours").at(&at);
+        let found = regression.solve(0.02, 0.0).expect("there are neighbours").at(&at);
         assert_eq!(found[0], 4.0, "the slope goes on, the light does not");
     }
 }

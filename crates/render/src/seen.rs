@@ -12,7 +12,7 @@ use std::ops::Range;
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_scene::RayMask;
-use gnurt_shading::bsdf::{ClosureBatch, left_after};
+use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Kind, Lobe, left_after};
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 
@@ -29,6 +29,8 @@ const MOST_EDGES: u32 = 8;
 const MOST_ROUNDS: u32 = 48;
 /// Branches with less of the light are followed by chance.
 const RARE: f32 = 0.04;
+/// Microfacets with narrower slopes show features, as mirrors do; their light counts as scattered.
+const NARROW: f32 = 0.15;
 /// Marks the random numbers of that choice.
 const CHANCE: u32 = 0x5ee;
 
@@ -62,6 +64,8 @@ struct Branch {
     /// The share of the pixel; those of all branches make 1.
     share: f32,
     edges: u32,
+    /// Whether only smooth surfaces are before it: then its light is known.
+    is_exact: bool,
     /// Where it was scattered, and how much is absorbed along it there.
     start: Vec3,
     absorption: Vec3,
@@ -136,6 +140,7 @@ impl TileSeen {
             weight: Vec3::ONE,
             share: 1.0,
             edges: 1,
+            is_exact: true,
             start: Vec3::from(camera.rays.get(lane).org),
             absorption: Vec3::ZERO,
         };
@@ -167,7 +172,7 @@ impl TileSeen {
             let sky = tracer.environment(from.rays, &missed, |lane| from.is_of_camera(lane));
             for (k, &lane) in missed.iter().enumerate() {
                 let branch = of(lane);
-                if branch.edges <= most_light {
+                if branch.is_exact && branch.edges <= most_light {
                     let left = left_after(f32::INFINITY, [branch.absorption, Vec3::ZERO]);
                     add(&mut self.split[branch.pixel], branch.weight * sky.get(k) * left);
                 }
@@ -189,7 +194,7 @@ impl TileSeen {
                     let way = (points.p.get(k) - before.start).length();
                     here.weight *= left_after(way, [before.absorption, closures.medium(k).on(true)]);
                 }
-                if !is_final && before.edges <= most_light {
+                if !is_final && before.is_exact && before.edges <= most_light {
                     add(&mut self.split[here.pixel], here.weight * closures.emission(k));
                 }
                 let coverage = closures.coverage(k).clamp(0.0, 1.0);
@@ -208,7 +213,12 @@ impl TileSeen {
                 here.weight *= coverage;
                 here.share *= coverage;
                 let mut own = (albedo.get(k), 1.0);
-                if !is_final && closures.widths(k).any(|(kind, _)| kind.is_delta()) {
+                if !before.is_exact {
+                    // Lamps are white.
+                    own.0 = (own.0 + closures.emission(k)).min(Vec3::ONE);
+                }
+                let is_smooth = |(kind, alpha): (Kind, f32)| kind.is_delta() || !kind.is_wide() && alpha < NARROW;
+                if !is_final && closures.widths(k).any(is_smooth) {
                     own = follow(tracer.options.seed, (points, &closures, k), (here, key, hit), most, &mut next);
                 }
                 let (own, share) = own;
@@ -261,6 +271,28 @@ fn follow(
         let key = key.fork(i as u32);
         if let Some(beyond) = chosen(seed, key, beyond) {
             next.push(ray, key, hit.after(&sample, fineness(key)), beyond);
+        }
+    }
+    let is_gloss = |lobe: &Lobe| lobe.is_narrow(NARROW) && !lobe.kind.is_delta();
+    let gloss = Bsdf::new(bsdf.normal(), bsdf.lobes().clone().filtered(is_gloss).reflecting()).albedo(wo);
+    let mirrored = 2.0 * bsdf.normal().dot(wo) * bsdf.normal() - wo;
+    if gloss.max_element() > 0.0
+        && let Some(ray) = point.scatter_ray(mirrored, false, f32::INFINITY)
+    {
+        rest = (rest - gloss).max(Vec3::ZERO);
+        // The surface keeps its normal, for most of its edges are seen in the light.
+        let beyond = Branch {
+            weight: here.weight * gloss,
+            share: 0.0,
+            edges: here.edges + 1,
+            is_exact: false,
+            start: points.p.get(k),
+            absorption: closures.medium(k).on(true),
+            ..here
+        };
+        let (key, cone) = (key.fork(2), hit.straight());
+        if let Some(beyond) = chosen(seed, key, beyond) {
+            next.push(ray, key, cone, beyond);
         }
     }
     (rest, share)

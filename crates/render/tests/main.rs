@@ -36,6 +36,7 @@ mod ray_masks;
 mod references;
 mod restricted;
 mod scene_queries;
+mod seen;
 mod shader_emission;
 mod shader_lights;
 mod shadow_catcher;

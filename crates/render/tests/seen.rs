@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Layers of what mirrors and smooth glass show: by laws of reflection, and light that agrees with that of paths.
+
+use crate::common::*;
+use gnurt_image::{ChannelData, Picture};
+use gnurt_render::{Accumulation, Integrator, RenderOptions, Silent, render};
+use gnurt_scene::material::Color;
+use gnurt_scene::{Material, Scene, Surface};
+
+fn seen(width: u32, height: u32, spp: u32) -> RenderOptions {
+    RenderOptions { integrator: Integrator::Path, aovs: true, seen: true, ..options(width, height, spp) }
+}
+
+fn layer(picture: &Picture, name: &str, channels: [&str; 3]) -> Vec<[f32; 3]> {
+    let plane = |channel: &str| match &picture.layer(name).expect(name).channel(channel).expect(channel).data {
+        ChannelData::F32(values) => values.clone(),
+        ChannelData::U32(_) => panic!("{name}.{channel} has ids"),
+    };
+    let [a, b, c] = channels.map(plane);
+    (0..a.len()).map(|i| [a[i], b[i], c[i]]).collect()
+}
+
+const RGB: [&str; 3] = ["R", "G", "B"];
+
+/// A mirror on the floor, a red wall behind it, and a sky.
+fn hall(reflectance: f32) -> Scene {
+    let mut scene = Scene::new();
+    let mirror = Surface::Mirror { reflectance: Color::constant([reflectance; 3]) };
+    let mirror = scene.add_material(Material::of("mirror", mirror));
+    put_mesh(&mut scene, quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], mirror));
+    let red = matte(&mut scene, [0.8, 0.2, 0.1]);
+    put_mesh(&mut scene, quad([-9.0, 4.0, 0.0], [18.0, 0.0, 0.0], [0.0, 0.0, 2.0], red));
+    scene.add_light(environment([0.5, 0.6, 0.7]));
+    scene
+}
+
+#[test]
+fn mirrors_show_albedo_and_normal_of_what_is_in_them() {
+    let world = world_of(&hall(0.5), false);
+    // Downwards: from height 1, the floor at y = -1.5 shows the wall at a height of 1.8, and at y = 0 one above it.
+    let picture = |target: [f32; 3]| {
+        let view = camera([0.0, -4.0, 1.0], target, 0.1);
+        render(&world, &view, &seen(4, 4, 4), &pool(1), &Silent).expect("sound").picture
+    };
+    let wall = picture([0.0, -1.2, 0.0]);
+    for pixel in layer(&wall, "seen_albedo", RGB) {
+        assert!((pixel[0] - 0.4).abs() < 1e-5 && (pixel[1] - 0.1).abs() < 1e-5, "half of the wall: {pixel:?}");
+    }
+    for normal in layer(&wall, "seen_N", ["X", "Y", "Z"]) {
+        assert!((normal[1] + 1.0).abs() < 1e-5, "the wall's: {normal:?}");
+    }
+    assert!((layer(&wall, "albedo", RGB)[0][0] - 0.5).abs() < 1e-5, "first hits keep theirs");
+    let sky = picture([0.0, -3.2, 0.0]);
+    assert_eq!(layer(&sky, "seen_albedo", RGB)[0], [0.0; 3], "the sky has none");
+    for name in ["seen_light", "seen_split"] {
+        let light = layer(&sky, name, RGB)[0];
+        assert!((light[2] - 0.35).abs() < 1e-5, "{name}: half of the sky: {light:?}");
+    }
+    assert_eq!(layer(&sky, "seen_variance", RGB)[0], [0.0; 3], "no other light is there");
+}
+
+/// Balls of glass and mirrors below a lamp.
+fn balls() -> Scene {
+    let mut scene = floor(0.6, 4.0);
+    let glass = Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [1.0; 3],
+        transmittance: [0.9, 1.0, 0.95],
+        interior: Default::default(),
+    };
+    let glass = scene.add_material(Material::of("glass", glass));
+    let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
+    let mirror = scene.add_material(Material::of("mirror", mirror));
+    put_mesh(&mut scene, sphere([-0.8, 0.0, 0.7], 0.7, 16, glass));
+    put_mesh(&mut scene, sphere([0.8, 0.0, 0.7], 0.7, 16, mirror));
+    let lamp = emitter(&mut scene, [20.0, 18.0, 15.0]);
+    put_mesh(&mut scene, quad([-1.0, -1.0, 3.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], lamp));
+    scene.add_light(environment([0.2, 0.3, 0.5]));
+    scene
+}
+
+#[test]
+fn light_of_all_branches_agrees_with_that_of_paths() {
+    let world = world_of(&balls(), false);
+    let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0);
+    let frame = render(&world, &view, &seen(40, 30, 256), &pool(2), &Silent).expect("sound");
+    let [light, split] = ["seen_light", "seen_split"].map(|name| layer(&frame.picture, name, RGB));
+    let sum = |pixels: &[[f32; 3]]| pixels.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>();
+    let ratio = sum(&split) / sum(&light);
+    assert!((ratio - 1.0).abs() < 0.003, "means agree: {ratio}");
+    assert!(sum(&light) > 0.1 * 1200.0, "there is some");
+    // Limited contributions end the comparison early.
+    let clamped = RenderOptions { clamp: Some(2.0), ..seen(40, 30, 64) };
+    let frame = render(&world, &view, &clamped, &pool(2), &Silent).expect("sound");
+    let [light, split] = ["seen_light", "seen_split"].map(|name| layer(&frame.picture, name, RGB));
+    let ratio = sum(&split) / sum(&light);
+    assert!((ratio - 1.0).abs() < 0.01, "as far as they are not limited: {ratio}");
+}
+
+#[test]
+fn layers_change_no_picture_and_survive_a_pause() {
+    let world = world_of(&balls(), false);
+    let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0);
+    for integrator in [Integrator::Path, Integrator::Whitted, Integrator::InstantRadiosity] {
+        let options = RenderOptions { integrator, vpls: 64, ..seen(24, 18, 4) };
+        let whole = render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture;
+        let plain = RenderOptions { seen: false, ..options.clone() };
+        let plain = render(&world, &view, &plain, &pool(1), &Silent).expect("sound").picture;
+        assert!(whole.color == plain.color, "{integrator}: the same colours");
+        assert!(plain.layers.iter().all(|layer| !layer.name.starts_with("seen_")), "only on request");
+        let mut first = Accumulation::new(options.clone()).expect("sound");
+        first.pass(&world, &view, 2, &pool(1), &Silent);
+        let mut rest = Accumulation::from_bytes(options, 7, &first.to_bytes(7)).expect("just written");
+        rest.pass(&world, &view, 2, &pool(1), &Silent);
+        assert!(rest.picture().layers == whole.layers, "{integrator}: the same layers after a pause");
+    }
+}
