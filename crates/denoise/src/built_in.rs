@@ -25,14 +25,18 @@ use crate::outliers::Outliers;
 use crate::patches::Reach;
 use crate::variance;
 
-/// Neighbourhood of the first pass: patches of noisy light.
-const NEAR: Reach = Reach { side: 5, step: 1, patch: 2, first: 0, sharpness: 0.6 };
+/// Neighbourhoods of the first pass, whose results are averaged: patches of noisy light, of two sizes, around centres that
+/// alternate.
+const NEAR: [Reach; 2] = [
+    Reach { side: 4, step: 1, patch: 2, first: 0, sharpness: 0.6 },
+    Reach { side: 5, step: 1, patch: 1, first: 1, sharpness: 0.6 },
+];
 /// The second time: smaller patches of light with little noise, farther apart.
 const WIDE: Reach = Reach { side: 5, step: 3, patch: 1, first: 0, sharpness: 0.6 };
 /// The remaining fraction of the variance of independent pixels: each has been in many fits.
 const LEFT: f32 = 0.5;
 /// Squares of differences exceed the variance by so much where light is in rare samples.
-const HEAVY: f32 = 20.0;
+const HEAVY: f32 = 2.0;
 /// Where fewer pixels are similar, the second time counts less.
 const FEW: f32 = 3.0;
 
@@ -52,37 +56,22 @@ pub(crate) fn filter(
             variance = variance::spatial(&color, width, height);
         }
         let mut smooth = variance::smooth(&variance, (&noisy.normal, &outliers.rare), width);
-        let unsure = |(v, _): (&mut Triple, &bool)| *v = v.map(|v| v * crate::tune(0, 3.0));
+        let unsure = |(v, _): (&mut Triple, &bool)| *v = v.map(|v| v * HEAVY);
         smooth.iter_mut().zip(&outliers.rare).filter(|(_, rare)| **rare).for_each(unsure);
-        let near = Explained::of(level, &Layers { noisy, color: &color, variance: &smooth, guide: None }, Reach { side: crate::tune(15, 5.0) as usize, patch: crate::tune(16, 2.0) as usize, ..NEAR }, stop)?;
-        let mut near = near;
-        if crate::tune(22, 0.0) > 0.0 {
-            let reach = Reach { side: crate::tune(23, 3.0) as usize, patch: crate::tune(24, 1.0) as usize, first: crate::tune(26, 1.0) as usize, sharpness: crate::tune(25, 0.6), ..NEAR };
-            let other = Explained::of(level, &Layers { noisy, color: &color, variance: &smooth, guide: None }, reach, stop)?;
-            let a = crate::tune(22, 0.0);
-            for p in 0..near.color.len() {
-                for k in 0..3 { near.color[p][k] += a * (other.color[p][k] - near.color[p][k]); }
-                near.support[p] = near.support[p] * (1.0 - a) + other.support[p] * a;
-            }
-        }
+        let layers = Layers { noisy, color: &color, variance: &smooth };
+        let [mut near, other] = NEAR.map(|reach| Explained::of(level, &layers, reach, stop));
+        near.as_mut()?.average(&other?);
+        let near = near?;
         let left: Vec<Triple> = smooth
             .iter()
             .zip(&near.support)
-            .map(|(variance, support)| variance.map(|v| v * crate::tune(7, 0.5) / support.max(1.0)))
+            .map(|(variance, support)| variance.map(|v| v * LEFT / support.max(1.0)))
             .collect();
-        if crate::tune(30, 0.0) > 0.0 {
-            let reach = Reach { side: crate::tune(31, 4.0) as usize, patch: crate::tune(32, 1.0) as usize, sharpness: crate::tune(33, 0.6), ..NEAR };
-            let noise: Vec<Triple> = left.iter().map(|v| v.map(|v| v * crate::tune(34, 2.0))).collect();
-            let other = Explained::of(level, &Layers { noisy, color: &color, variance: &smooth, guide: Some((&near.color, &noise)) }, reach, stop)?;
-            let a = crate::tune(30, 0.0);
-            for p in 0..near.color.len() {
-                for k in 0..3 { near.color[p][k] += a * (other.color[p][k] - near.color[p][k]); }
-            }
-        }
-        let wide = Explained::of(level, &Layers { noisy, color: &near.color, variance: &left, guide: None }, Reach { side: crate::tune(17, 5.0) as usize, step: crate::tune(18, 3.0) as usize, patch: crate::tune(19, 1.0) as usize, ..WIDE }, stop)?;
+        let layers = Layers { noisy, color: &near.color, variance: &left };
+        let wide = Explained::of(level, &layers, WIDE, stop)?;
         let mut clean = near.color;
         for (p, clean) in clean.iter_mut().enumerate() {
-            let share = (wide.support[p] / crate::tune(8, 3.0)).min(1.0);
+            let share = (wide.support[p] / FEW).min(1.0);
             for (clean, wide) in clean.iter_mut().zip(wide.color[p]) {
                 *clean += (wide - *clean) * share;
             }

@@ -10,7 +10,7 @@ use crate::light::mean;
 use crate::noisy::Triple;
 
 /// Differences from the noisy picture below this number of standard deviations are noise.
-const STANDS_OUT: f32 = 1.5;
+const STANDS_OUT: f32 = 1.25;
 /// Light is in rare samples where the variance of pixels exceeds this fraction of their light's square. The
 /// second number is the factor of the variance of darker pixels there, per further fraction: large enough
 /// that no detail returns where most pixels found nothing.
@@ -39,7 +39,7 @@ pub(crate) fn bring_back(
                 let rare = (around.noise(p) - RARE).max(0.0);
                 noise = noise.max(HARDLY_KNOWN * rare * clean[k] * clean[k]);
             }
-            let noise = crate::tune(14, 2.25) * noise;
+            let noise = STANDS_OUT * STANDS_OUT * noise;
             (1.0 - noise / (difference * difference).max(f32::MIN_POSITIVE)).max(0.0).copysign(difference)
         })
     };

@@ -20,7 +20,7 @@ const STRIDE: usize = 2;
 /// Neighbours that weigh less are left out.
 const LEAST: f32 = 1e-3;
 /// Normals and albedos are not known better than this.
-const UNSURE: f32 = 0.02;
+const UNSURE: f32 = 0.011;
 
 /// A picture that is explained.
 pub(crate) struct Layers<'a> {
@@ -30,8 +30,6 @@ pub(crate) struct Layers<'a> {
     pub(crate) color: &'a [Triple],
     /// Of that light.
     pub(crate) variance: &'a [Triple],
-    /// Light that determines similarity, and its variance; `None` = the same.
-    pub(crate) guide: Option<(&'a [Triple], &'a [Triple])>,
 }
 
 /// The sums over all fits.
@@ -53,11 +51,11 @@ impl Explained {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let (width, height) = (layers.noisy.width, layers.noisy.height);
-        let (guide, noise) = layers.guide.unwrap_or((layers.color, layers.variance));
-        let planes = Planes::new(reach, width, guide, noise);
+        let planes = Planes::new(reach, width, layers.color, layers.variance);
         let rows: Vec<Row> = (0..layers.color.len()).map(|p| row(layers, p)).collect();
         let variance: Vec<f32> = layers.variance.iter().map(mean).collect();
-        let around = Around { reach, planes: &planes, rows: &rows, variance: &variance, size: [width, height], stop };
+        let around =
+            Around { reach, planes: &planes, rows: &rows, variance: &variance, size: [width, height], stop };
         let mut sums = vec![[0.0; 5]; width * height];
         // A band's fits reach half a band beyond it: those with even numbers do not meet, nor do those with odd ones.
         let band = (2 * reach.farthest()).next_multiple_of(16);
@@ -81,6 +79,17 @@ impl Explained {
             support: sums.iter().map(support).collect(),
             color: sums.iter().zip(layers.color).map(color).collect(),
         })
+    }
+
+    /// Takes the mean of both.
+    pub(crate) fn average(&mut self, other: &Self) {
+        let mean = |a: &mut f32, b: f32| *a = 0.5 * (*a + b);
+        self.color
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(other.color.as_flattened())
+            .for_each(|(a, b)| mean(a, *b));
+        self.support.iter_mut().zip(&other.support).for_each(|(a, b)| mean(a, *b));
     }
 }
 
@@ -108,7 +117,8 @@ impl Around<'_> {
     fn explain(&self, centres: std::ops::Range<usize>, begin: usize, sums: &mut [Sum]) -> Option<()> {
         let count = self.reach.count();
         let (mut memory, mut near) = (Memory::default(), Vec::with_capacity(count));
-        let mut weights = vec![0.0; (self.size[0] - self.reach.first.min(self.size[0])).div_ceil(STRIDE) * count];
+        let mut weights =
+            vec![0.0; (self.size[0] - self.reach.first.min(self.size[0])).div_ceil(STRIDE) * count];
         for y in centres.skip(self.reach.first).step_by(STRIDE) {
             if (self.stop)() {
                 return None;
@@ -191,7 +201,7 @@ mod tests {
     #[test]
     fn all_levels_and_numbers_of_threads_give_the_same_bits() {
         let noisy = noisy(61, 47, 0.1);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, guide: None };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
         let reach = Reach { side: 3, step: 3, patch: 1, first: 0, sharpness: 0.6 };
         let explain = |level: Level, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
@@ -211,7 +221,7 @@ mod tests {
     fn the_variance_of_a_slope_falls_by_the_pixels_that_look_alike() {
         let variance = 0.01;
         let noisy = noisy(64, 64, variance);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, guide: None };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
         let reach = Reach { side: 5, step: 1, patch: 2, first: 0, sharpness: 0.6 };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
         let found = pool.install(|| Explained::of(Level::default(), &layers, reach, &|| false));
@@ -231,7 +241,7 @@ mod tests {
     #[test]
     fn who_says_stop_gets_nothing() {
         let noisy = noisy(20, 20, 0.1);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, guide: None };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
         let reach = Reach { side: 3, step: 1, patch: 1, first: 0, sharpness: 0.6 };
         assert!(Explained::of(Level::default(), &layers, reach, &|| true).is_none(), "at once");
     }

@@ -114,11 +114,3 @@ pub fn denoise_unless(
     }
     Ok(Some(used))
 }
-// TEMPORARY
-pub(crate) fn tune(i: usize, default: f32) -> f32 {
-    static T: std::sync::OnceLock<Vec<(usize, f32)>> = std::sync::OnceLock::new();
-    let all = T.get_or_init(|| {
-        std::env::var("TUNE").unwrap_or_default().split(',').filter_map(|x| { let (a, b) = x.split_once('=')?; Some((a.parse().ok()?, b.parse().ok()?)) }).collect()
-    });
-    all.iter().find(|x| x.0 == i).map_or(default, |x| x.1)
-}

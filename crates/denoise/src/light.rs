@@ -8,7 +8,7 @@
 use crate::noisy::{Noisy, Seen, Triple};
 
 /// Added to albedos before light is divided by them.
-const SOFTENING: f32 = 0.25;
+const SOFTENING: f32 = 0.5;
 /// A pixel that hits a light with one of its samples has a variance of about the square of its value; with
 /// two, of half that. Above this fraction its coverage by the light is unknown.
 const HARDLY_SEEN: f32 = 0.8;
@@ -151,7 +151,7 @@ fn sides(noisy: &Noisy, p: usize) -> [Option<usize>; 4] {
 
 /// The divisor of light: the albedo if there is one.
 pub(crate) fn divisor(albedo: &Triple) -> Triple {
-    if albedo.iter().all(|&a| a < 1e-3) { [1.0; 3] } else { albedo.map(|a| a.max(0.0) + crate::tune(13, 0.25)) }
+    if albedo.iter().all(|&a| a < 1e-3) { [1.0; 3] } else { albedo.map(|a| a.max(0.0) + SOFTENING) }
 }
 
 /// The mean of three colours.

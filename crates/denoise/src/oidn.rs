@@ -32,16 +32,13 @@ pub(crate) fn filter(
     let albedo: Vec<Triple> = noisy.albedo.iter().map(|a| a.map(|x| x.clamp(0.0, 1.0))).collect();
     let normal: Vec<Triple> = noisy.normal.iter().map(|n| n.map(|x| x.clamp(-1.0, 1.0))).collect();
     let color: Vec<Triple> = match &noisy.seen {
-        Some(seen) => noisy.color.iter().zip(seen.light.iter().zip(&seen.split)).map(without_chance).collect(),
+        Some(seen) => {
+            noisy.color.iter().zip(seen.light.iter().zip(&seen.split)).map(without_chance).collect()
+        }
         None => noisy.color.clone(),
     };
-    let images = Images {
-        width: noisy.width,
-        height: noisy.height,
-        color: &color,
-        albedo: &albedo,
-        normal: &normal,
-    };
+    let images =
+        Images { width: noisy.width, height: noisy.height, color: &color, albedo: &albedo, normal: &normal };
     let mut clean = device.filter(&images).map_err(Error::Oidn)?;
     for (clean, noisy) in clean.iter_mut().zip(&noisy.color) {
         if clean.iter().any(|x| !x.is_finite()) {

@@ -15,15 +15,15 @@ const REACH: usize = 3;
 const BRIGHTER: f32 = 1.5;
 /// Pixels to each side among which many bright ones are no outliers, and how many are many.
 const WIDER: usize = 7;
-const MANY: f32 = 12.0;
+const MANY: f32 = 3.0;
 /// Light is in rare samples where half of the pixels have less than this share of its mean.
-const RARE: f32 = 0.3;
+const RARE: f32 = 0.2;
 /// Columns and rows of the cells in which light is summed up that was taken.
 const CELL: usize = 16;
 /// Cells to each side among which it is shared.
 const SHARED: usize = 4;
 /// Few outliers give little information on how much light is missing: this many are weighted by half.
-const BELIEVED: f32 = 4.0;
+const BELIEVED: f32 = 8.0;
 /// Pixels become brighter by less than this factor.
 const MOST: f32 = 30.0;
 
@@ -106,7 +106,7 @@ impl Outliers {
                     count += weight * of.2;
                 }
             }
-            let believed = count / (count + crate::tune(10, 4.0));
+            let believed = count / (count + BELIEVED);
             [0, 1, 2].map(|k| {
                 let gain = if left[k] > 0.0 { taken[k] / left[k] * believed } else { 0.0 };
                 // Towards MOST without ever reaching it.
@@ -145,7 +145,7 @@ fn common(light: &[f32], normal: &[Triple], [width, height]: [usize; 2], [x, y]:
             }
         }
     }
-    if sum * sum >= crate::tune(5, 12.0) * squares && sum > 0.0 { crate::tune(9, 1.5) * (squares / sum) } else { 0.0 }
+    if sum * sum >= MANY * squares && sum > 0.0 { squares / sum } else { 0.0 }
 }
 
 /// How bright a pixel may be, by its neighbours of about its orientation, and whether light is in rare samples; `None` if there are too few.
@@ -177,7 +177,7 @@ fn most(
     let mean = (near.iter().sum::<f32>() + light[y * width + x]) / (near.len() + 1) as f32;
     let half = near.len() / 2;
     let (_, &mut middle, _) = near.select_nth_unstable_by(half, f32::total_cmp);
-    Some((crate::tune(20, 1.5) * bright.max(mean), middle < crate::tune(4, 0.3) * mean))
+    Some((BRIGHTER * bright.max(mean), middle < RARE * mean))
 }
 
 #[cfg(test)]

@@ -112,7 +112,7 @@ impl Planes {
         let length = sums.len();
         let (p, var_p) = (&self.color[k][at..at + length], &self.variance[k][at..at + length]);
         let (q, var_q) = (&self.color[k][other..other + length], &self.variance[k][other..other + length]);
-        let sharp = self.reach.sharpness * self.reach.sharpness * crate::tune(11, 1.0);
+        let sharp = self.reach.sharpness * self.reach.sharpness;
         for i in 0..length {
             let difference = p[i] - q[i];
             let unseen = UNSEEN * (p[i].abs() + q[i].abs());

@@ -10,7 +10,7 @@ use crate::noisy::Triple;
 /// A constant, three each of normal and albedo, column and row.
 pub(crate) const TERMS: usize = 9;
 /// Inverse squares of slopes of relative light that are expected of normals and albedo, and of positions.
-const SLOPES: [f64; 2] = [1.0, 60.0];
+const SLOPES: [f64; 2] = [0.1, 60.0];
 /// Terms, then three colours.
 pub(crate) const ROW: usize = TERMS + 3;
 
@@ -85,15 +85,15 @@ impl Regression {
                 right[i][k] = f64::from(row[TERMS + k]);
             }
         }
-        let ridge = f64::from(unsure * unsure * crate::tune(12, 1.0)) * weight;
-        (1..7).for_each(|i| matrix[i][i] += ridge + f64::from(crate::tune(21, 1e-4)) * matrix[i][i]);
+        let ridge = f64::from(unsure * unsure) * weight;
+        (1..7).for_each(|i| matrix[i][i] += ridge + 1e-4 * matrix[i][i]);
         let spread: f64 = (7..TERMS).map(|i| matrix[i][i]).sum();
         (7..TERMS).for_each(|i| matrix[i][i] += 1e-4 * spread + 1e-30);
         // Light hardly differs by more than itself over the range of a feature: slopes that noise explains are none.
         let light = (0..3).map(|k| right[0][k]).sum::<f64>() / (3.0 * weight);
-        let noise = (f64::from(variance) / (light * light).max(1e-30) - f64::from(crate::tune(1, 1.0))).clamp(0.0, 1e4);
-        (1..7).for_each(|i| matrix[i][i] += f64::from(crate::tune(2, 1.0)) * noise);
-        (7..TERMS).for_each(|i| matrix[i][i] += f64::from(crate::tune(3, 60.0)) * noise);
+        let noise = (f64::from(variance) / (light * light).max(1e-30) - 1.0).clamp(0.0, 1e4);
+        (1..7).for_each(|i| matrix[i][i] += SLOPES[0] * noise);
+        (7..TERMS).for_each(|i| matrix[i][i] += SLOPES[1] * noise);
         solve(&mut matrix, &mut right)?;
         let coefficients = right.map(|row| row.map(|x| x as f32));
         Some(Fit { centre: self.centre, coefficients, range: self.range })

@@ -9,7 +9,7 @@ use crate::noisy::Triple;
 /// Pixels to each side that variances are averaged over: at first, and where too few have most of it.
 const REACHES: [usize; 4] = [2, 4, 8, 16];
 /// So many pixels must share the variance.
-const ENOUGH: f32 = 6.0;
+const ENOUGH: f32 = 3.0;
 
 /// Variances from few samples are noisy themselves: means over squares of pixels, of those with about the same
 /// normal, so that bright surfaces lend no variance to dark ones behind them. Squares grow where few pixels have most of
@@ -33,7 +33,7 @@ pub(crate) fn smooth(variance: &[Triple], (normal, rare): (&[Triple], &[bool]), 
                 squares += part * part;
             }
         }
-        (sum.map(|x| x / weights), all * all <= crate::tune(6, 6.0) * squares && rare.get(p) == Some(&true))
+        (sum.map(|x| x / weights), all * all <= ENOUGH * squares && rare.get(p) == Some(&true))
     };
     let at = |p: usize| {
         let mut found = ([0.0; 3], true);

@@ -28,7 +28,7 @@ const MOST_EDGES: u32 = 8;
 /// Segments, and transparent parts between them.
 const MOST_ROUNDS: u32 = 48;
 /// Branches with less of the light are followed by chance.
-const RARE: f32 = 0.04;
+const RARE: f32 = 0.01;
 /// Microfacets with narrower slopes show features, as mirrors do; their light counts as scattered.
 const NARROW: f32 = 0.15;
 /// Marks the random numbers of that choice.
@@ -217,9 +217,16 @@ impl TileSeen {
                     // Lamps are white.
                     own.0 = (own.0 + closures.emission(k)).min(Vec3::ONE);
                 }
-                let is_smooth = |(kind, alpha): (Kind, f32)| kind.is_delta() || !kind.is_wide() && alpha < NARROW;
+                let is_smooth =
+                    |(kind, alpha): (Kind, f32)| kind.is_delta() || !kind.is_wide() && alpha < NARROW;
                 if !is_final && closures.widths(k).any(is_smooth) {
-                    own = follow(tracer.options.seed, (points, &closures, k), (here, key, hit), most, &mut next);
+                    own = follow(
+                        tracer.options.seed,
+                        (points, &closures, k),
+                        (here, key, hit),
+                        most,
+                        &mut next,
+                    );
                 }
                 let (own, share) = own;
                 add(&mut self.albedo[here.pixel], here.weight * own);
@@ -249,9 +256,10 @@ fn follow(
 ) -> (Vec3, f32) {
     let (bsdf, wo) = (closures.point(k).bsdf, -points.ray_dir.get(k));
     let all = bsdf.albedo(wo);
-    if here.edges >= most || bsdf.is_dispersed() {
+    if most == 1 || bsdf.is_dispersed() {
         return (all, 1.0);
     }
+    let is_last = here.edges >= most;
     let (point, whole) = (points.point(k), all.element_sum().max(1e-6));
     let (mut rest, mut share) = (all, 1.0);
     for (i, branch) in bsdf.delta_branches(wo).into_iter().enumerate() {
@@ -259,6 +267,10 @@ fn follow(
         rest = (rest - sample.weight).max(Vec3::ZERO);
         let part = (sample.weight.element_sum() / whole).min(1.0);
         share = (share - part).max(0.0);
+        if is_last {
+            // Light that is still between smooth surfaces is as unknown as that of the sky.
+            continue;
+        }
         let Some(ray) = point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) else { continue };
         let beyond = Branch {
             weight: here.weight * sample.weight,
@@ -276,7 +288,8 @@ fn follow(
     let is_gloss = |lobe: &Lobe| lobe.is_narrow(NARROW) && !lobe.kind.is_delta();
     let gloss = Bsdf::new(bsdf.normal(), bsdf.lobes().clone().filtered(is_gloss).reflecting()).albedo(wo);
     let mirrored = 2.0 * bsdf.normal().dot(wo) * bsdf.normal() - wo;
-    if gloss.max_element() > 0.0
+    if !is_last
+        && gloss.max_element() > 0.0
         && let Some(ray) = point.scatter_ray(mirrored, false, f32::INFINITY)
     {
         rest = (rest - gloss).max(Vec3::ZERO);

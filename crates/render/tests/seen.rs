@@ -12,7 +12,8 @@ fn seen(width: u32, height: u32, spp: u32) -> RenderOptions {
 }
 
 fn layer(picture: &Picture, name: &str, channels: [&str; 3]) -> Vec<[f32; 3]> {
-    let plane = |channel: &str| match &picture.layer(name).expect(name).channel(channel).expect(channel).data {
+    let plane = |channel: &str| match &picture.layer(name).expect(name).channel(channel).expect(channel).data
+    {
         ChannelData::F32(values) => values.clone(),
         ChannelData::U32(_) => panic!("{name}.{channel} has ids"),
     };
@@ -44,7 +45,10 @@ fn mirrors_show_albedo_and_normal_of_what_is_in_them() {
     };
     let wall = picture([0.0, -1.2, 0.0]);
     for pixel in layer(&wall, "seen_albedo", RGB) {
-        assert!((pixel[0] - 0.4).abs() < 1e-5 && (pixel[1] - 0.1).abs() < 1e-5, "half of the wall: {pixel:?}");
+        assert!(
+            (pixel[0] - 0.4).abs() < 1e-5 && (pixel[1] - 0.1).abs() < 1e-5,
+            "half of the wall: {pixel:?}"
+        );
     }
     for normal in layer(&wall, "seen_N", ["X", "Y", "Z"]) {
         assert!((normal[1] + 1.0).abs() < 1e-5, "the wall's: {normal:?}");

@@ -156,7 +156,17 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
 fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let (world, options) = (tracer.world, tracer.options);
     let Wavefront {
-        paths, next, unshadowed, order, radiance_only, closures, ledger, linked, below, seen, ..
+        paths,
+        next,
+        unshadowed,
+        order,
+        radiance_only,
+        closures,
+        ledger,
+        linked,
+        below,
+        seen,
+        ..
     } = wavefront;
     below.begin();
     world.sort_by_material(from.hits, 0..from.hits.len(), order);
