@@ -10,7 +10,7 @@ use crate::light::mean;
 use crate::noisy::Triple;
 
 /// Differences from the noisy picture below this number of standard deviations are noise.
-const STANDS_OUT: f32 = 1.25;
+const STANDS_OUT: f32 = 1.5;
 /// Light is in rare samples where the variance of pixels exceeds this fraction of their light's square. The
 /// second number is the factor of the variance of darker pixels there, per further fraction: large enough
 /// that no detail returns where most pixels found nothing.

@@ -78,6 +78,10 @@ impl Planes {
     /// Those beyond the picture's edges mean nothing.
     #[inline(always)]
     pub(crate) fn weights(&self, y: usize, stride: usize, memory: &mut Memory, out: &mut [f32]) {
+        if out.is_empty() {
+            // A single column has no second centre.
+            return;
+        }
         let (patch, count) = (self.reach.patch, self.reach.count());
         let (length, wide) = (self.width + 2 * patch, self.width + 2 * self.border);
         let scale = 1.0 / (3 * (2 * patch + 1) * (2 * patch + 1)) as f32;
