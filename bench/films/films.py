@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Films that judge the filter over frames: `films.py GNURT FOLDER [--reference N]`.
+"""Films that judge the filter over frames: `films.py GNURT FOLDER [--reference N] [--only NAME]`.
 
-Writes three small animated scenes (moving camera, moving lamp, turning object), renders each with 8 samples per pixel,
+Writes four small animated scenes (moving camera, moving lamp, turning object, moving camera before a mirror and a pane), renders each with 8 samples per pixel,
 filtered over frames and frame by frame, and compares both with many samples. Needs numpy and OpenEXR.
 
 Figures, smaller is better: `relMSE` of the frames; `change`: relative MSE of differences between consecutive frames;
@@ -165,7 +165,17 @@ def films(folder):
     thing = scene.node(mesh=scene.mesh(parts), translation=[0, 0.05, 0.5])
     scene.move(thing, "rotation", TIMES, [turned(0.09 * i) for i in range(FRAMES)])
     scene.write(folder / "turn.glb")
-    return ["camera", "lamp", "turn"]
+    scene = Gltf()
+    room(scene)
+    mirror = scene.material([0.9, 0.9, 0.9], 0.0, 1.0)
+    scene.node(mesh=scene.mesh([(*quad([-3, 0.4, -3.9], [3, 0.4, -3.9], [3, 3.2, -3.9], [-3, 3.2, -3.9]), mirror)]))
+    pane = scene.material([1.0, 1.0, 1.0], 0.0)
+    scene.json["materials"][pane]["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1.0}}
+    scene.json["extensionsUsed"].append("KHR_materials_transmission")
+    scene.node(mesh=scene.mesh([(*quad([0.3, 0.2, 0.6], [1.9, 0.2, 0.2], [1.9, 1.8, 0.2], [0.3, 1.8, 0.6]), pane)]))
+    scene.move(camera(scene), "translation", TIMES, [[-0.6 + 0.1 * i, 1.6, 5.5 - 0.04 * i] for i in range(FRAMES)])
+    scene.write(folder / "mirror.glb")
+    return ["camera", "lamp", "turn", "mirror"]
 
 
 def read(path):
@@ -216,7 +226,10 @@ def main():
     if "OIDN_LIB" in os.environ:
         ways["oidn"] = ["--denoise=oidn", "--denoise-window", "0"]
         ways["film-oidn"] = ["--denoise=oidn"]
-    for scene in films(folder):
+    names = films(folder)
+    if "--only" in sys.argv:
+        names = [sys.argv[sys.argv.index("--only") + 1]]
+    for scene in names:
         truth = [render(gnurt, folder, scene, f"truth{seed}", spp, ["--denoise=none"], seed) for seed in (777, 778)]
         found = {name: errors(render(gnurt, folder, scene, name, 8, more), truth) for name, more in ways.items()}
         base = found["single"][0]

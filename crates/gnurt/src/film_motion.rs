@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The layer of motion: where the points of a picture were in the frame before, and will be in the next one.
-//! Known: cameras, instances, and vertices of bent meshes. Not known: members that move within an object, and points
-//! seen in mirrors; they count as at rest there. Space: world; pixels to the right and down.
+//! Known: cameras, instances, and vertices of bent meshes. Not known: members that move within an object; they count as
+//! at rest there. Points seen in mirrors and through glass are virtual: they lie straight on from the eye, as far as the
+//! way there is long, and move as mirror images in the plane of the mirror, if one mirror shows them. Space: world; pixels to the right and down.
 //! Tests: the command line's `tests/program/film.rs`.
 
 use std::sync::Arc;
@@ -43,6 +44,7 @@ impl FramePose {
         let mut planes: [Vec<f32>; 6] = std::array::from_fn(|_| vec![0.0; pixels]);
         let aspect = picture.width as f32 / picture.height as f32;
         if let (Some(hits), Some(eye)) = (Hits::of(picture), Eye::of(&self.camera, aspect)) {
+            let seen = Seen::of(picture);
             for (other, [x, y, far]) in [(before, [0, 1, 4]), (after, [2, 3, 5])] {
                 let Some((other, lens)) =
                     other.and_then(|other| Some((other, Eye::of(&other.camera, aspect)?)))
@@ -52,9 +54,21 @@ impl FramePose {
                 let ways = self.ways(other);
                 let size = [f64::from(picture.width), f64::from(picture.height)];
                 let step = |p: usize| -> Option<[f32; 3]> {
-                    let (here, there) = match hits.point(p) {
-                        Some(point) => (point, self.moved(other, &ways, &hits, p, point)),
-                        None => (eye.beyond(p, size), eye.beyond(p, size)),
+                    let (here, there) = match (hits.point(p), &seen) {
+                        (Some(point), Some(seen))
+                            if seen.hits.prim[p] != hits.prim[p]
+                                || seen.hits.instance[p] != hits.instance[p] =>
+                        {
+                            self.virtual_points(
+                                other,
+                                &ways,
+                                [&hits, &seen.hits],
+                                p,
+                                (eye.at, point, seen.way[p]),
+                            )?
+                        }
+                        (Some(point), _) => (point, self.moved(other, &ways, &hits, p, point)),
+                        (None, _) => (eye.beyond(p, size), eye.beyond(p, size)),
                     };
                     let (from, to) = (eye.project(here, size)?, lens.project(there, size)?);
                     Some([to[0] - from[0], to[1] - from[1], distance(there, lens.at)].map(|x| x as f32))
@@ -95,6 +109,42 @@ impl FramePose {
         moves.then_some([here, there])
     }
 
+    /// Where what a mirror or glass shows in pixel `p` seems to be, here and in another pose, if the surface is met at
+    /// `met` and the whole way is as long as `way`; `None` where it shows the sky.
+    fn virtual_points(
+        &self,
+        other: &Self,
+        ways: &[Option<[Affine; 2]>],
+        [first, seen]: [&Hits; 2],
+        p: usize,
+        (eye, met, way): ([f64; 3], [f64; 3], f32),
+    ) -> Option<([f64; 3], [f64; 3])> {
+        let real = seen.point(p).filter(|_| way.is_finite())?;
+        let moved = self.moved(other, ways, seen, p, real);
+        let towards = minus(met, eye);
+        let scale = f64::from(way) / dot(towards, towards).sqrt().max(1e-12);
+        let here = [0, 1, 2].map(|k| eye[k] + scale * towards[k]);
+        // A mirror halves the way between a point and its image.
+        let across = minus(here, real);
+        let length = dot(across, across).sqrt();
+        let middle = [0, 1, 2].map(|k| 0.5 * (here[k] + real[k]));
+        let normal = across.map(|x| x / length.max(1e-12));
+        let is_mirrored =
+            length > 1e-3 * f64::from(way) && dot(minus(met, middle), normal).abs() < 0.02 * f64::from(way);
+        if !is_mirrored {
+            let by = minus(moved, real);
+            return Some((here, [0, 1, 2].map(|k| here[k] + by[k])));
+        }
+        let with = |point: [f64; 3]| match ways.get(first.instance[p] as usize).and_then(Option::as_ref) {
+            Some([inverse, there]) => there.point(inverse.point(point)),
+            None => point,
+        };
+        let (middle, end) = (with(middle), with([0, 1, 2].map(|k| middle[k] + normal[k])));
+        let normal = minus(end, middle);
+        let off = 2.0 * dot(minus(moved, middle), normal) / dot(normal, normal).max(1e-12);
+        Some((here, [0, 1, 2].map(|k| moved[k] - off * normal[k])))
+    }
+
     /// Where a point of pixel `p` is in another pose.
     fn moved(
         &self,
@@ -125,8 +175,6 @@ impl FramePose {
 /// The point of another triangle with the same barycentric coordinates, and the distance of the point from its plane; `None` if it
 /// is not on the triangle.
 fn on_triangle(from: [[f64; 3]; 3], to: [[f64; 3]; 3], p: [f64; 3]) -> Option<([f64; 3], f64)> {
-    let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let (u, v, w) = (minus(from[1], from[0]), minus(from[2], from[0]), minus(p, from[0]));
     let (uu, uv, vv, wu, wv) = (dot(u, u), dot(u, v), dot(v, v), dot(w, u), dot(w, v));
     let area = uu * vv - uv * uv;
@@ -136,6 +184,14 @@ fn on_triangle(from: [[f64; 3]; 3], to: [[f64; 3]; 3], p: [f64; 3]) -> Option<([
     let is_on = s > -0.05 && t > -0.05 && s + t < 1.05 && off * off < 0.01 * (uu + vv);
     let moved = [0, 1, 2].map(|k| to[0][k] + s * (to[1][k] - to[0][k]) + t * (to[2][k] - to[0][k]));
     is_on.then_some((moved, off))
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -179,6 +235,19 @@ impl Eye {
     }
 }
 
+/// What mirrors and glass show: the points, and how long the way there is.
+struct Seen {
+    hits: Hits,
+    way: Vec<f32>,
+}
+
+impl Seen {
+    fn of(picture: &Picture) -> Option<Self> {
+        let ChannelData::F32(way) = &picture.layer("seen_depth")?.channel("Z")?.data else { return None };
+        Some(Self { hits: Hits::of_layers(picture, "seen_P", "seen_id")?, way: way.clone() })
+    }
+}
+
 /// The layers that tell points.
 struct Hits {
     position: [Vec<f32>; 3],
@@ -190,12 +259,16 @@ struct Hits {
 
 impl Hits {
     fn of(picture: &Picture) -> Option<Self> {
+        Self::of_layers(picture, "P", "id")
+    }
+
+    fn of_layers(picture: &Picture, position: &str, id: &str) -> Option<Self> {
         let channel = |layer: &str, name: &str| Some(&picture.layer(layer)?.channel(name)?.data);
-        let position = |name: &str| match channel("P", name)? {
+        let position = |name: &str| match channel(position, name)? {
             ChannelData::F32(values) => Some(values.clone()),
             ChannelData::U32(_) => None,
         };
-        let ids = |name: &str| match channel("id", name)? {
+        let ids = |name: &str| match channel(id, name)? {
             ChannelData::U32(values) => Some(values.clone()),
             ChannelData::F32(_) => None,
         };

@@ -49,7 +49,7 @@ pub(crate) struct FirstHit {
     pub(crate) material: u32,
 }
 
-const NOTHING: FirstHit = FirstHit {
+pub(crate) const NOTHING: FirstHit = FirstHit {
     position: Vec3::ZERO,
     depth: f32::INFINITY,
     z: f32::INFINITY,
@@ -96,7 +96,7 @@ impl TileAovs {
         radiance: &Vec3s,
     ) {
         if let Some(seen) = &mut self.seen {
-            seen.add(tracer, camera, range.clone(), radiance);
+            seen.add(tracer, camera, range.clone(), (sample, radiance));
         }
         let world = tracer.world;
         let first = range.start;
@@ -153,6 +153,18 @@ impl TileAovs {
     }
 }
 
+impl SavedState for FirstHit {
+    fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
+        let Self { position, depth, z, object, instance, prim, material } = self;
+        for x in [&mut position.x, &mut position.y, &mut position.z, depth, z] {
+            put_f32(x, with);
+        }
+        for id in [object, instance, prim, material] {
+            put_u32(id, with);
+        }
+    }
+}
+
 impl SavedState for TileAovs {
     fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
         for sums in [&mut self.albedo, &mut self.normal, &mut self.emission] {
@@ -162,15 +174,7 @@ impl SavedState for TileAovs {
             sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
         }
         self.behind.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
-        for hit in &mut self.first {
-            let FirstHit { position, depth, z, object, instance, prim, material } = hit;
-            for x in [&mut position.x, &mut position.y, &mut position.z, depth, z] {
-                put_f32(x, with);
-            }
-            for id in [object, instance, prim, material] {
-                put_u32(id, with);
-            }
-        }
+        self.first.iter_mut().for_each(|hit| hit.state(with));
         if let Some(seen) = &mut self.seen {
             seen.state(with);
         }

@@ -6,7 +6,7 @@ use gnurt_accel::INVALID_ID;
 use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
 use gnurt_shading::OutputKind;
 
-use crate::aov::{FirstHit, TileAovs};
+use crate::aov::{FirstHit, NOTHING, TileAovs};
 use crate::expressions::LightLayer;
 use crate::film::TileFilm;
 use crate::pixel_grid::PixelGrid;
@@ -86,6 +86,10 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelG
         let plane = |k: usize| values.iter().map(|value| value[k]).collect();
         Layer::floats(name, [(channels[0], plane(0)), (channels[1], plane(1)), (channels[2], plane(2))])
     };
+    let seen_hit = |aovs: &TileAovs, i: usize| aovs.seen.as_ref().map_or(NOTHING, |seen| seen.first[i]);
+    let seen_ids = |value: &dyn Fn(&FirstHit) -> u32| {
+        gathered(tiles, (width, pixels), INVALID_ID, |_, aovs, i| value(&seen_hit(aovs, i)))
+    };
     let means = |sums: &[f64; 3], tile: &TileFilm| sums.map(|sum| mean(sum, tile));
     let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);
     let is_seen = tiles.iter().any(|tile| tile.aovs.as_ref().is_some_and(|aovs| aovs.seen.is_some()));
@@ -96,6 +100,17 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelG
             seen("seen_light", rgb, &|seen, tile, i| means(&seen.light[i], tile)),
             seen("seen_split", rgb, &|seen, tile, i| means(&seen.split[i], tile)),
             seen("seen_variance", rgb, &|seen, tile, i| seen.variance(i, tile.samples)),
+            seen("seen_P", xyz, &|seen, _, i| seen.first[i].position.into()),
+            Layer::floats("seen_depth", [("Z", plane(&|_, aovs, i| seen_hit(aovs, i).depth, f32::INFINITY))]),
+            Layer::ids(
+                "seen_id",
+                [
+                    ("object", seen_ids(&|hit| hit.object)),
+                    ("instance", seen_ids(&|hit| hit.instance)),
+                    ("prim", seen_ids(&|hit| hit.prim)),
+                    ("material", seen_ids(&|hit| hit.material)),
+                ],
+            ),
         ]
     });
     let [r, g, b, a] = behind;

@@ -16,6 +16,7 @@ use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Kind, Lobe, left_after};
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 
+use crate::aov::{FirstHit, NOTHING};
 use crate::cone::{Cone, ConeHit, Cones, fineness};
 use crate::options::RenderOptions;
 use crate::state::{SavedState, put_f64};
@@ -53,6 +54,9 @@ pub(crate) struct TileSeen {
     /// The light that is scattered elsewhere, and its squares.
     rest: Vec<[f64; 3]>,
     squares: Vec<[f64; 3]>,
+    /// The brightest surface of the first sample, and how bright it is; depths along the way there.
+    pub(crate) first: Vec<FirstHit>,
+    brightest: Vec<f32>,
 }
 
 /// A ray that is followed.
@@ -64,6 +68,8 @@ struct Branch {
     /// The share of the pixel; those of all branches make 1.
     share: f32,
     edges: u32,
+    /// The length of the way so far.
+    way: f32,
     /// Whether only smooth surfaces are before it: then its light is known.
     is_exact: bool,
     /// Where it was scattered, and how much is absorbed along it there.
@@ -94,7 +100,8 @@ impl TileSeen {
     pub(crate) fn new(pixels: usize) -> Self {
         let zero = || vec![[0.0; 3]; pixels];
         let (albedo, normal, light, split) = (zero(), zero(), zero(), zero());
-        Self { albedo, normal, light, split, rest: zero(), squares: zero() }
+        let (first, brightest) = (vec![NOTHING; pixels], vec![0.0; pixels]);
+        Self { albedo, normal, light, split, rest: zero(), squares: zero(), first, brightest }
     }
 
     /// Variance of the mean of the light that is scattered elsewhere, by `count` samples; 0 if it is not known.
@@ -115,8 +122,12 @@ impl TileSeen {
         tracer: &mut BatchTracer,
         camera: HitLanes,
         range: Range<usize>,
-        radiance: &Vec3s,
+        (sample, radiance): (u32, &Vec3s),
     ) {
+        if sample == 0 {
+            self.first.fill(NOTHING);
+            self.brightest.fill(0.0);
+        }
         let follows = follows(tracer);
         let found = if follows { &tracer.seen } else { &tracer.direct };
         for (pixel, lane) in range.clone().enumerate() {
@@ -140,11 +151,12 @@ impl TileSeen {
             weight: Vec3::ONE,
             share: 1.0,
             edges: 1,
+            way: 0.0,
             is_exact: true,
             start: Vec3::from(camera.rays.get(lane).org),
             absorption: Vec3::ZERO,
         };
-        let mut next = self.gather(tracer, camera, range.clone(), (most, has_light), &of_camera);
+        let mut next = self.gather(tracer, camera, range.clone(), (sample, most, has_light), &of_camera);
         for _ in 1..MOST_ROUNDS {
             if next.all.is_empty() {
                 break;
@@ -153,7 +165,15 @@ impl TileSeen {
             tracer.stats.secondary_rays += keys.len() as u64;
             let hits = tracer.intersect(RayMask::OTHER, rays, keys, Coherence::Coherent);
             let from = HitLanes { rays, keys, hits: &hits, cones: Some(cones), depth: 1 };
-            next = self.gather(tracer, from, 0..all.len(), (most, has_light), &|lane| all[lane]);
+            next = self.gather(tracer, from, 0..all.len(), (sample, most, has_light), &|lane| all[lane]);
+        }
+    }
+
+    /// Notes a surface, if none that is brighter is seen in its pixel.
+    fn note(&mut self, branch: &Branch, albedo: Vec3, hit: FirstHit) {
+        let light = (branch.weight * albedo).max_element().max(1e-9);
+        if branch.is_exact && light > self.brightest[branch.pixel] {
+            (self.brightest[branch.pixel], self.first[branch.pixel]) = (light, hit);
         }
     }
 
@@ -163,7 +183,7 @@ impl TileSeen {
         tracer: &mut BatchTracer,
         from: HitLanes,
         range: Range<usize>,
-        (most, has_light): (u32, bool),
+        (sample, most, has_light): (u32, u32, bool),
         of: &dyn Fn(usize) -> Branch,
     ) -> Branches {
         let most_light = if has_light { most_edges(tracer.options) } else { 0 };
@@ -178,8 +198,14 @@ impl TileSeen {
                 }
             }
         }
+        if sample == 0 {
+            for lane in range.clone().filter(|&lane| from.hits.get(lane).is_none()) {
+                self.note(&of(lane), Vec3::ONE, NOTHING);
+            }
+        }
         let mut next = Branches::default();
         let mut closures = ClosureBatch::default();
+        let world = tracer.world;
         let absorbs = tracer.world.materials().has_media();
         tracer.for_each_surface_in(range, from, AttributeRequests::Light, |tracer, shader, lanes, points| {
             closures.reset(points.len());
@@ -190,6 +216,7 @@ impl TileSeen {
             for (k, &lane) in lanes.iter().enumerate() {
                 let (before, key) = (of(lane as usize), from.keys[lane as usize]);
                 let mut here = before;
+                here.way += points.t[k];
                 if absorbs {
                     let way = (points.p.get(k) - before.start).length();
                     here.weight *= left_after(way, [before.absorption, closures.medium(k).on(true)]);
@@ -203,6 +230,7 @@ impl TileSeen {
                     let rest = Branch {
                         weight: before.weight * (1.0 - coverage),
                         share: before.share * (1.0 - coverage),
+                        way: here.way,
                         ..before
                     };
                     if let Some(rest) = chosen(tracer.options.seed, key, rest) {
@@ -229,6 +257,22 @@ impl TileSeen {
                     );
                 }
                 let (own, share) = own;
+                if sample == 0 {
+                    let (material, (_, object)) = (
+                        world.material_of(points.leaf_id[k], points.geom_id[k]),
+                        world.leaf(points.leaf_id[k]),
+                    );
+                    let hit = FirstHit {
+                        position: points.p.get(k),
+                        depth: here.way,
+                        z: here.way,
+                        object: object.0,
+                        instance: points.inst_id[k],
+                        prim: points.prim_id[k],
+                        material,
+                    };
+                    self.note(&here, own, hit);
+                }
                 add(&mut self.albedo[here.pixel], here.weight * own);
                 add(&mut self.normal[here.pixel], points.facing_ns(k) * (here.share * share));
             }
@@ -337,9 +381,10 @@ fn add(sum: &mut [f64; 3], value: Vec3) {
 
 impl SavedState for TileSeen {
     fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
-        let Self { albedo, normal, light, split, rest, squares } = self;
+        let Self { albedo, normal, light, split, rest, squares, first, .. } = self;
         for sums in [albedo, normal, light, split, rest, squares] {
             sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
         }
+        first.iter_mut().for_each(|hit| hit.state(with));
     }
 }

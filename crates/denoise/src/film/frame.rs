@@ -53,14 +53,22 @@ impl FilmFrame {
             Some(ChannelData::F32(values)) => Ok(values),
             _ => Err(Error::NoChannel(format!("{layer}.{name}"))),
         };
-        let ids = |name: &str| match channel("id", name).map(|channel| &channel.data) {
-            Some(ChannelData::U32(values)) => Ok(values),
-            _ => Err(Error::NoChannel(format!("id.{name}"))),
+        let ids = |layer: &str| -> Result<Vec<u32>, Error> {
+            let of = |name: &str| match channel(layer, name).map(|channel| &channel.data) {
+                Some(ChannelData::U32(values)) => Ok(values),
+                _ => Err(Error::NoChannel(format!("{layer}.{name}"))),
+            };
+            let (instance, object, material) = (of("instance")?, of("object")?, of("material")?);
+            Ok((0..width * height).map(|p| mixed([instance[p], object[p], material[p]])).collect())
         };
-        let (instance, object, material) = (ids("instance")?, ids("object")?, ids("material")?);
-        let id: Vec<u32> =
-            (0..width * height).map(|p| mixed([instance[p], object[p], material[p]])).collect();
-        let distance = floats("depth", "Z")?.clone();
+        let mut id = ids("id")?;
+        let mut distance = floats("depth", "Z")?.clone();
+        if let (Ok(seen), Ok(way)) = (ids("seen_id"), floats("seen_depth", "Z")) {
+            // What a mirror shows is told apart from what is seen without it.
+            for (p, id) in id.iter_mut().enumerate().filter(|(p, id)| seen[*p] != **id) {
+                (*id, distance[p]) = (mixed([*id, seen[p], 0]), way[p]);
+            }
+        }
         let way = |x: &str, y: &str, far: &str| -> Result<Vec<Step>, Error> {
             let (x, y, far) = (floats(MOTION, x)?, floats(MOTION, y)?, floats(MOTION, far)?);
             Ok((0..width * height).map(|p| Step { by: [x[p], y[p]], distance: far[p] }).collect())
