@@ -36,7 +36,7 @@ const WIDE: Reach = Reach { side: 5, step: 3, patch: 1, first: 0, sharpness: 0.6
 /// The remaining fraction of the variance of independent pixels: each has been in many fits.
 const LEFT: f32 = 0.5;
 /// Squares of differences exceed the variance by so much where light is in rare samples.
-const HEAVY: f32 = 2.0;
+const HEAVY: f32 = 3.0;
 /// Where fewer pixels are similar, the second time counts less.
 const FEW: f32 = 3.0;
 

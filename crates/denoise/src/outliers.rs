@@ -16,6 +16,9 @@ const BRIGHTER: f32 = 1.5;
 /// Pixels to each side among which many bright ones are no outliers, and how many are many.
 const WIDER: usize = 7;
 const MANY: f32 = 3.0;
+/// A highlight has this many pixels beside each other that differ by less than this share.
+const COMPANY: usize = 3;
+const ALIKE: f32 = 0.4;
 /// Light is in rare samples where half of the pixels have less than this share of its mean.
 const RARE: f32 = 0.2;
 /// Columns and rows of the cells in which light is summed up that was taken.
@@ -49,8 +52,12 @@ impl Outliers {
             let find = |x: usize| {
                 let p = y * width + x;
                 let (most, is_rare) = most(&light, normal, [width, height], [x, y], near)?;
-                let most = if is_rare && light[p] > most {
+                let most = if light[p] <= most {
+                    most
+                } else if is_rare {
                     most.max(common(&light, normal, [width, height], [x, y]))
+                } else if has_company(&light, [width, height], [x, y]) {
+                    f32::INFINITY
                 } else {
                     most
                 };
@@ -63,7 +70,7 @@ impl Outliers {
         let mut rare = vec![false; light.len()];
         let take = |(p, retained, is_rare): (usize, f32, bool)| {
             rare[p] = is_rare;
-            if !(retained < 1.0) {
+            if retained.is_nan() || retained >= 1.0 {
                 return None;
             }
             let before = color[p];
@@ -127,6 +134,16 @@ impl Outliers {
             }
         }
     }
+}
+
+/// Whether a bright pixel belongs to a highlight: others beside it are about as bright.
+fn has_company(light: &[f32], [width, height]: [usize; 2], [x, y]: [usize; 2]) -> bool {
+    let own = light[y * width + x];
+    let rows = y.saturating_sub(1)..(y + 2).min(height);
+    let columns = x.saturating_sub(1)..(x + 2).min(width);
+    let bright = rows.flat_map(|row| columns.clone().map(move |column| light[row * width + column]));
+    // It is among them.
+    bright.filter(|&other| other > ALIKE * own).count() > COMPANY
 }
 
 /// How bright pixels are that bring the light around, if there are many; else 0. Where light is in rare samples, most
@@ -215,6 +232,28 @@ mod tests {
             let brightest = color.iter().map(|c| c[0] / light).fold(0.0, f32::max);
             assert!(brightest < 0.15 * 40.0, "nobody gets it all: {brightest}");
         }
+    }
+
+    #[test]
+    fn highlights_and_rare_light_are_no_outliers() {
+        let (width, height) = (40, 40);
+        let taken = |light: &dyn Fn(usize, usize) -> f32| {
+            let at = |p: usize| light(p % width, p / width);
+            let mut color: Vec<Triple> = (0..width * height).map(|p| [at(p); 3]).collect();
+            let normal = vec![[0.0, 0.0, 1.0]; width * height];
+            let mut variance = vec![[0.0; 3]; width * height];
+            Outliers::take(width, &normal, &mut color, &mut variance).taken.len()
+        };
+        let square = |x: usize, y: usize| (20..22).contains(&x) && (20..22).contains(&y);
+        assert_eq!(taken(&|x, y| if square(x, y) { 30.0 } else { 1.0 }), 0, "four pixels together stay");
+        assert_eq!(taken(&|x, y| if (x, y) == (20, 20) { 30.0 } else { 1.0 }), 1, "a single one does not");
+        // One pixel in nine has all the light.
+        let lit = |x: usize, y: usize| x.is_multiple_of(3) && y.is_multiple_of(3);
+        assert_eq!(
+            taken(&|x, y| if lit(x, y) { 1.0 } else { 0.0 }),
+            0,
+            "the light is where samples found it"
+        );
     }
 
     #[test]

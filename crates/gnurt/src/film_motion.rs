@@ -109,8 +109,8 @@ impl FramePose {
         moves.then_some([here, there])
     }
 
-    /// Where what a mirror or glass shows in pixel `p` seems to be, here and in another pose, if the surface is met at
-    /// `met` and the whole way is as long as `way`; `None` where it shows the sky.
+    /// The apparent point that a mirror or glass shows in pixel `p`, here and in another pose, if the surface is met at
+    /// `met` and the whole way is as long as `way`; `None` for the sky.
     fn virtual_points(
         &self,
         other: &Self,
@@ -235,7 +235,7 @@ impl Eye {
     }
 }
 
-/// What mirrors and glass show: the points, and how long the way there is.
+/// The points that mirrors and glass show, and the lengths of the ways there.
 struct Seen {
     hits: Hits,
     way: Vec<f32>,

@@ -47,7 +47,7 @@ const MATTES: [(&str, &[MatteKind]); 4] = [
     ("crypto_material", &[MatteKind::Material]),
     ("crypto_asset", &[MatteKind::Asset]),
 ];
-/// Begins the names of layers of what mirrors and glass show.
+/// Begins the names of layers that follow mirrors and glass.
 const SEEN: &str = "seen_";
 const ALL: &str = "all";
 const NONE: &str = "none";
@@ -172,7 +172,7 @@ fn light_layer(part: &str) -> Result<LightLayer, LayerError> {
     sound(LightLayer { name: name.into(), expression: expression.replace(char::is_control, " ") })
 }
 
-/// Drops the layers of what mirrors and glass show, which only denoisers read.
+/// Drops the layers that follow mirrors and glass, for denoisers only.
 pub fn drop_seen(picture: &mut Picture) {
     picture.layers.retain(|layer| !layer.name.starts_with(SEEN));
 }
@@ -189,7 +189,7 @@ fn check_name(name: &str) -> Result<(), LayerError> {
 }
 
 impl LayerList {
-    /// Whether it has the layers of what mirrors and glass show.
+    /// Whether it has the layers that follow mirrors and glass.
     #[must_use]
     pub fn has_seen(&self) -> bool {
         self.names.as_ref().is_some_and(|names| names.iter().any(|name| name.starts_with(SEEN)))

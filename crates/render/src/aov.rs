@@ -14,9 +14,10 @@ use glam::Vec3;
 use gnurt_accel::INVALID_ID;
 use gnurt_shading::Vec3s;
 
+use crate::first_hit::{FirstHit, NOTHING};
 use crate::held::Held;
 use crate::seen::TileSeen;
-use crate::state::{SavedState, put_f32, put_f64, put_u32};
+use crate::state::{SavedState, put_f64};
 use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
 use crate::world::HitLanes;
 
@@ -36,28 +37,6 @@ pub(crate) struct TileAovs {
     /// What mirrors and glass show, if requested.
     pub(crate) seen: Option<TileSeen>,
 }
-
-/// The first hit of a pixel.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FirstHit {
-    pub(crate) position: Vec3,
-    pub(crate) depth: f32,
-    pub(crate) z: f32,
-    pub(crate) object: u32,
-    pub(crate) instance: u32,
-    pub(crate) prim: u32,
-    pub(crate) material: u32,
-}
-
-pub(crate) const NOTHING: FirstHit = FirstHit {
-    position: Vec3::ZERO,
-    depth: f32::INFINITY,
-    z: f32::INFINITY,
-    object: INVALID_ID,
-    instance: INVALID_ID,
-    prim: INVALID_ID,
-    material: INVALID_ID,
-};
 
 impl TileAovs {
     pub(crate) fn new(pixels: usize) -> Self {
@@ -150,18 +129,6 @@ impl TileAovs {
                 }
             }
         });
-    }
-}
-
-impl SavedState for FirstHit {
-    fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
-        let Self { position, depth, z, object, instance, prim, material } = self;
-        for x in [&mut position.x, &mut position.y, &mut position.z, depth, z] {
-            put_f32(x, with);
-        }
-        for id in [object, instance, prim, material] {
-            put_u32(id, with);
-        }
     }
 }
 

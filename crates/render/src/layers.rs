@@ -6,9 +6,10 @@ use gnurt_accel::INVALID_ID;
 use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
 use gnurt_shading::OutputKind;
 
-use crate::aov::{FirstHit, NOTHING, TileAovs};
+use crate::aov::TileAovs;
 use crate::expressions::LightLayer;
 use crate::film::TileFilm;
+use crate::first_hit::{FirstHit, NOTHING};
 use crate::pixel_grid::PixelGrid;
 use crate::seen::TileSeen;
 
@@ -88,7 +89,7 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelG
     };
     let seen_hit = |aovs: &TileAovs, i: usize| aovs.seen.as_ref().map_or(NOTHING, |seen| seen.first[i]);
     let seen_ids = |value: &dyn Fn(&FirstHit) -> u32| {
-        gathered(tiles, (width, pixels), INVALID_ID, |_, aovs, i| value(&seen_hit(aovs, i)))
+        gathered(tiles, grid, INVALID_ID, |_, aovs, i| value(&seen_hit(aovs, i)))
     };
     let means = |sums: &[f64; 3], tile: &TileFilm| sums.map(|sum| mean(sum, tile));
     let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);

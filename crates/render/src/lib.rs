@@ -20,6 +20,7 @@ mod error;
 mod expressions;
 mod film;
 mod fingerprint;
+mod first_hit;
 mod frame;
 mod held;
 mod holdouts;

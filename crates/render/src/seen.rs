@@ -16,8 +16,8 @@ use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Kind, Lobe, left_after};
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 
-use crate::aov::{FirstHit, NOTHING};
 use crate::cone::{Cone, ConeHit, Cones, fineness};
+use crate::first_hit::{FirstHit, NOTHING};
 use crate::options::RenderOptions;
 use crate::state::{SavedState, put_f64};
 use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
@@ -361,7 +361,7 @@ fn chosen(seed: u64, key: SampleKey, branch: Branch) -> Option<Branch> {
     if size >= RARE {
         return Some(branch);
     }
-    if !(size > 0.0) {
+    if size.is_nan() || size <= 0.0 {
         return None;
     }
     let chance = size / RARE;

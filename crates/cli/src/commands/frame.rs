@@ -481,7 +481,7 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
         crop: arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution)),
         time_limit: arguments.time,
         aovs: plan.targets.picture.has_layers() || plan.filter.is_some() || arguments.transparent,
-        // Whoever joins pieces decides about a filter.
+        // A filter is chosen when pieces are joined.
         seen: plan.filter.is_some()
             || arguments.piece.is_some()
             || arguments.layers.as_ref().is_some_and(LayerList::has_seen),

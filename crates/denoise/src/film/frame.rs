@@ -64,7 +64,7 @@ impl FilmFrame {
         let mut id = ids("id")?;
         let mut distance = floats("depth", "Z")?.clone();
         if let (Ok(seen), Ok(way)) = (ids("seen_id"), floats("seen_depth", "Z")) {
-            // What a mirror shows is told apart from what is seen without it.
+            // Surfaces in a mirror differ from the same ones without it.
             for (p, id) in id.iter_mut().enumerate().filter(|(p, id)| seen[*p] != **id) {
                 (*id, distance[p]) = (mixed([*id, seen[p], 0]), way[p]);
             }
