@@ -132,6 +132,7 @@ fn kind_of_options(error: &RenderError) -> Error {
         | RenderError::EmptyCrop { .. }
         | RenderError::NoSuchPixel { .. }
         | RenderError::NoSuchPiece { .. }
+        | RenderError::NoSuchRows { .. }
         | RenderError::InterleavedPiece => Error::InvalidOperation,
     }
 }

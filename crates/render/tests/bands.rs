@@ -21,7 +21,7 @@ fn bits(picture: &Picture, [top, end]: [u32; 2]) -> Bits {
         for channel in &layer.channels {
             let values = match &channel.data {
                 ChannelData::F32(values) => values[range.clone()].iter().map(|x| x.to_bits()).collect(),
-                ChannelData::U32(values) => values[range.clone()].iter().copied().collect(),
+                ChannelData::U32(values) => values[range.clone()].to_vec(),
             };
             all.push((format!("{}.{}", layer.name, channel.name), values));
         }
