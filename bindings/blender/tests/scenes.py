@@ -594,12 +594,12 @@ def motion():
     for frame, x in ((0, 0.2), (2, 2.2)):
         ball.location.x = x
         ball.keyframe_insert("location", frame=frame)
-    for layer in ball.animation_data.action.layers:
-        for strip in layer.strips:
-            for bag in strip.channelbags:
-                for curve in bag.fcurves:
-                    for key in curve.keyframe_points:
-                        key.interpolation = "LINEAR"
+    action = ball.animation_data.action
+    # Actions have layers since Blender 4.4.
+    bags = [bag for layer in getattr(action, "layers", ()) for strip in layer.strips for bag in strip.channelbags] or [action]
+    for curve in (curve for bag in bags for curve in bag.fcurves):
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
     bpy.context.scene.frame_set(1)
     bpy.context.scene["means only"] = True
 
