@@ -319,7 +319,7 @@ impl Accumulation {
     pub fn picture(&self) -> Picture {
         let (mut picture, grid) = (self.colors(), PixelGrid::of(&self.options));
         if self.options.aovs {
-            layers::add_layers(&mut picture, &self.tiles, grid);
+            layers::add_layers(&mut picture, &self.tiles, grid, self.options.seen);
         }
         mattes::add_mattes(&mut picture, &self.tiles, grid, &self.options.mattes);
         layers::add_light(&mut picture, &self.tiles, grid, &self.options.light_layers, &self.kinds);

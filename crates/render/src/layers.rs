@@ -56,8 +56,9 @@ pub(crate) fn add_light(
     }
 }
 
-/// Adds the layers of all tiles to the picture. The visible background is not opaque.
-pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelGrid) {
+/// Adds the layers of all tiles to the picture, with those through mirrors and glass if `is_seen`. The visible background
+/// is not opaque.
+pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelGrid, is_seen: bool) {
     let plane = |value: &dyn Fn(&TileFilm, &TileAovs, usize) -> f32, background: f32| {
         gathered(tiles, grid, background, value)
     };
@@ -93,7 +94,6 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelG
     };
     let means = |sums: &[f64; 3], tile: &TileFilm| sums.map(|sum| mean(sum, tile));
     let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);
-    let is_seen = tiles.iter().any(|tile| tile.aovs.as_ref().is_some_and(|aovs| aovs.seen.is_some()));
     let seen = is_seen.then(|| {
         [
             seen("seen_albedo", rgb, &|seen, tile, i| means(&seen.albedo[i], tile)),

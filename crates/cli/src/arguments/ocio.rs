@@ -17,13 +17,26 @@ pub(crate) struct OcioArguments {
     )]
     pub(crate) config: Option<String>,
     /// Display of the configuration [default: its own]
-    #[arg(long = "ocio-display", value_name = "NAME", requires = "ocio_config", hide_short_help = true)]
+    #[arg(
+        id = "ocio_display",
+        long = "ocio-display",
+        value_name = "NAME",
+        requires = "ocio_config",
+        hide_short_help = true
+    )]
     pub(crate) display: Option<String>,
     /// View of the display [default: its own]
-    #[arg(long = "ocio-view", value_name = "NAME", requires = "ocio_config", hide_short_help = true)]
+    #[arg(
+        id = "ocio_view",
+        long = "ocio-view",
+        value_name = "NAME",
+        requires = "ocio_config",
+        hide_short_help = true
+    )]
     pub(crate) view: Option<String>,
     /// Looks between commas, instead of those of the view
     #[arg(
+        id = "ocio_looks",
         long = "ocio-looks",
         value_name = "LIST",
         requires = "ocio_config",
@@ -32,6 +45,12 @@ pub(crate) struct OcioArguments {
     )]
     pub(crate) looks: Option<String>,
     /// The configuration's colour space of linear light with Rec. 709 primaries [default: found by name or roles]
-    #[arg(long = "ocio-space", value_name = "NAME", requires = "ocio_config", hide_short_help = true)]
+    #[arg(
+        id = "ocio_space",
+        long = "ocio-space",
+        value_name = "NAME",
+        requires = "ocio_config",
+        hide_short_help = true
+    )]
     pub(crate) space: Option<String>,
 }
