@@ -42,6 +42,7 @@ pub(super) fn make(
     };
     let watcher = Watcher::begin(messages.shows_progress());
     let mut all = RenderStats { spp_min: u32::MAX, complete: true, ..RenderStats::default() };
+    let mut fault = None;
     let mut make = |[top, end]: [u32; 2]| -> Option<Picture> {
         let options = RenderOptions { rows: Some([top, end]), ..options.clone() };
         let height = f64::from(options.height);
@@ -51,7 +52,7 @@ pub(super) fn make(
             share: f64::from(end - top) / height,
             samples: all.samples,
         };
-        let begun = Accumulation::new(options.clone()).ok()?;
+        let begun = Accumulation::new(options.clone()).map_err(|error| fault = Some(error)).ok()?;
         let rays = ready.motion.as_ref().map_or(&*ready.chosen.rays, |motion| &*motion.rays);
         let mut band = render_on(begun, &ready.world, rays, pool, &progress, None, &mut |_| {});
         all.add(&band.stats);
@@ -68,6 +69,9 @@ pub(super) fn make(
     let written = output.write_bands([options.width, options.height], rows, look, &mut make);
     watcher.end();
     let is_there = written?;
+    if let Some(fault) = fault {
+        return Err(Failure::usage(fault));
+    }
     report_faults(&all, arguments, ready, messages);
     if is_there {
         messages.detail(format_args!("wrote {} in bands of {rows} rows", output.path().display()));
