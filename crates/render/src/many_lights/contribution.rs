@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
-use gnurt_simd::{Level, dispatch, dispatch_wide, f32x16, prelude::*};
+use gnurt_simd::{Level, dispatch};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
@@ -92,11 +92,7 @@ pub(super) fn each_contribution(
     for (n, source) in sources.iter().enumerate() {
         let mut contribution = [0.0; BLOCK];
         let known = if block.may_get(source) {
-            dispatch_wide!(
-                level,
-                simd => block.light(f32x16::splat(simd, 0.0), source, light),
-                else block.light(0.0_f32, source, light)
-            )
+            block.light(level, source, light)
         } else {
             Some(0)
         };

@@ -14,7 +14,7 @@ use std::time::Instant;
 use glam::Vec3;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
 use gnurt_shading::{RayRequest, SampleKey, Tracer, Vec3s};
-use gnurt_simd::{dispatch, dispatch_wide, f32x16, prelude::*};
+use gnurt_simd::dispatch;
 
 use super::bound::Bound;
 use super::chosen::{Learned, Rows};
@@ -174,7 +174,7 @@ impl<'a> Part<'a> {
         let lanes = if block.other.len() == eyes.len() {
             None
         } else if block.may_get(source) {
-            dispatch_wide!(level, simd => block.light(f32x16::splat(simd, 0.0), source, light), else block.light(0.0_f32, source, light))
+            block.light(level, source, light)
         } else {
             Some(0)
         };

@@ -12,6 +12,7 @@ use gnurt_shading::SurfacePoint;
 use gnurt_shading::bsdf::{CachedLobes, Carrying, GRAZING};
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::real::{Real, Vector};
+use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
@@ -234,9 +235,18 @@ fn at<R: Real>(like: R, [x, y, z]: &Lanes3, first: usize) -> Vector<R> {
 
 impl Block {
     /// Light of `source`; the lanes of `other` stay dark. Returns the number of lit lanes, or `None` if the
-    /// light has no lanes. `like` only selects the number of points per step.
+    /// light has no lanes. One function for all callers: it is long.
+    pub(super) fn light(&self, level: Level, source: &Source, light: &mut Light) -> Option<u32> {
+        dispatch_wide!(
+            level,
+            simd => self.light_by(f32x16::splat(simd, 0.0), source, light),
+            else self.light_by(0.0_f32, source, light)
+        )
+    }
+
+    /// [`light`](Self::light); `like` only selects the number of points per step.
     #[inline(always)]
-    pub(super) fn light<R: Real>(&self, like: R, source: &Source, light: &mut Light) -> Option<u32> {
+    fn light_by<R: Real>(&self, like: R, source: &Source, light: &mut Light) -> Option<u32> {
         let (sender, power) = source.sender.as_ref()?;
         light.rays.org = source.start.into();
         let (zero, mut lit) = (like.all(0.0), 0);
@@ -409,9 +419,9 @@ mod tests {
 
     /// The result of the CPU's lanes, which must have the bits of single points.
     fn by_lanes(block: &Block, source: &Source, light: &mut Light) -> Option<u32> {
-        let (mut one, lit) = (Light::default(), block.light(0.0_f32, source, light));
+        let (mut one, lit) = (Light::default(), block.light_by(0.0_f32, source, light));
         for level in Level::available() {
-            let many = dispatch_wide!(level, simd => block.light(f32x16::splat(simd, 0.0), source, &mut one), else continue);
+            let many = dispatch_wide!(level, simd => block.light_by(f32x16::splat(simd, 0.0), source, &mut one), else continue);
             assert_eq!(many, lit, "{level}");
             if lit.is_none() {
                 continue;

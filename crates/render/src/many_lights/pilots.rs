@@ -228,11 +228,7 @@ impl Pilots {
         for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| masks[b] != 0) {
             let light = &mut *scratch.light;
             let mut one_by_one = masks[b];
-            let lit = dispatch_wide!(
-                self.level,
-                simd => group.block.light(f32x16::splat(simd, 0.0), &source, light),
-                else group.block.light(0.0_f32, &source, light)
-            );
+            let lit = group.block.light(self.level, &source, light);
             match lit {
                 None => {}
                 Some(0) => one_by_one &= group.other,

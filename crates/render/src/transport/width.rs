@@ -65,13 +65,12 @@ pub(crate) fn for_each_light_sample<W: Width>(
     }
     let splitting = width.zero().points(splitting);
     let others = requests & !splitting;
-    if W::R::any(others) {
-        take((others, None, W::triple(draws, purpose::LIGHT_POSITION)));
-    }
-    if W::R::any(splitting) {
-        for group in lights.split_groups() {
-            take((splitting, Some(group), W::triple(draws, purpose::LIGHT_GROUP + group as u32)));
-        }
+    let alone = W::R::any(others).then_some((others, None, purpose::LIGHT_POSITION));
+    let groups = if W::R::any(splitting) { lights.split_groups() } else { 0..0 };
+    let groups = groups.map(|group| (splitting, Some(group), purpose::LIGHT_GROUP + group as u32));
+    // One call: `take` is long, and inlined.
+    for (points, group, purpose) in alone.into_iter().chain(groups) {
+        take((points, group, W::triple(draws, purpose)));
     }
 }
 
@@ -168,6 +167,9 @@ impl<S: Simd> Width for Sixteen<S> {
         at: [Vector<f32x16<S>>; 2],
         u: [f32x16<S>; 3],
     ) -> LightSamples<f32x16<S>> {
-        lights.sample_x16(group, [active, from_all_sides], at, u)
+        u[0].outline(
+            #[inline(always)]
+            || lights.sample_x16(group, [active, from_all_sides], at, u),
+        )
     }
 }

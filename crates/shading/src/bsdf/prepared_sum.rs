@@ -81,9 +81,18 @@ impl<R: Real> Sum<R> {
         self.pdf = self.pdf + R::pick(chosen, density, zero) * lobe.probability;
     }
 
-    /// Value and density of lobe `k` for `wi` at the cosine `i`, and the factor of the value.
+    /// Value and density of lobe `k` for `wi` at the cosine `i`, and the factor of the value. Out of line: it is most of the
+    /// evaluation of lobes, and every integrator has several.
     #[inline(always)]
     fn of(&mut self, k: usize, lobe: &PreparedLobe<R>, wi: Vector<R>, i: R) -> (Vector<R>, R, Vector<R>) {
+        i.outline(
+            #[inline(always)]
+            || self.of_inline(k, lobe, wi, i),
+        )
+    }
+
+    #[inline(always)]
+    fn of_inline(&mut self, k: usize, lobe: &PreparedLobe<R>, wi: Vector<R>, i: R) -> (Vector<R>, R, Vector<R>) {
         // Behind a normal of the lobe's own light counts as grazing, as views do.
         let own = R::pick(self.above, i, -i);
         let cos = R::pick(own.above_all(0.0), i.size(), i.all(GRAZING));
