@@ -10,7 +10,8 @@ use std::sync::OnceLock;
 /// An instruction set that the kernels are compiled for, weakest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
-    /// No SIMD instructions at all: lanes are arrays. Runs everywhere, and is the reference for the others.
+    /// Runs everywhere, one ray at a time, and is the reference for the others. Its lanes are those that every CPU of
+    /// the architecture has: SSE2 on x86, arrays of floats elsewhere.
     Scalar,
     /// x86-64-v2: SSE4.2, 4 lanes per register.
     Sse42,
@@ -88,15 +89,15 @@ impl Level {
         not_above
             .filter_map(Self::exact_token)
             .next()
-            .unwrap_or(fearless_simd::Level::Fallback(fearless_simd::Fallback::new()))
+            .expect("every CPU runs the scalar level")
     }
 
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     fn exact_token(self) -> Option<fearless_simd::Level> {
-        use fearless_simd::{Fallback, Level as Token, Simd};
+        use fearless_simd::{Level as Token, Simd};
         let cpu = Token::new();
         match self {
-            Self::Scalar => Some(Token::Fallback(Fallback::new())),
+            Self::Scalar => cpu.as_sse2().map(Simd::level),
             Self::Sse42 => cpu.as_sse4_2().map(Simd::level),
             Self::Avx2 => cpu.as_avx2().map(Simd::level),
             Self::Avx512 => cpu.as_avx512().map(Simd::level),
@@ -210,7 +211,6 @@ mod tests {
             let (ran, requested) = (std::mem::discriminant(&ran), std::mem::discriminant(&level.token()));
             assert_eq!(ran, requested, "{level} runs as itself");
         }
-        assert!(Level::Scalar.token().is_fallback(), "scalar has no SIMD instructions");
     }
 
     #[test]

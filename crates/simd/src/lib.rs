@@ -35,19 +35,25 @@ pub use fearless_simd::aarch64 as __arm;
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 pub use fearless_simd::x86 as __x86;
 #[doc(hidden)]
-pub use fearless_simd::{Fallback as __Fallback, Simd as __Base};
+pub use fearless_simd::Simd as __Base;
+#[doc(hidden)]
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+pub use fearless_simd::Fallback as __Fallback;
 
 /// Runs an expression with the token of a [`Level`]: `dispatch!(level, simd => kernel(simd, rays))`.
 ///
 /// Enter once per batch. The expression is compiled once per level, so keep it to one call of an
-/// `#[inline(always)]` function. Unlike the library's own macro it leaves out levels that [`Level`] lacks: on
-/// x86 that is SSE2, whose CPUs get the scalar code.
+/// `#[inline(always)]` function. Unlike the library's own macro it leaves out tokens that no [`Level`] has: on
+/// x86 that is the one of arrays.
 #[macro_export]
 macro_rules! dispatch {
     ($level:expr, $simd:pat => $body:expr) => {
         $crate::dispatch_wide!($level, $simd => $body, else match $crate::Level::token($level) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Sse2(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
             $crate::Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
             other => unreachable!("no level has the token {other:?}"),
         })
@@ -74,7 +80,7 @@ macro_rules! dispatch_wide {
 }
 
 /// As [`dispatch!`], but compiled twice instead of four times: with AVX2 or NEON where the CPU has them, and
-/// without SIMD instructions. For code other than kernels of rays: builders.
+/// at the scalar level. For code other than kernels of rays: builders.
 #[macro_export]
 macro_rules! dispatch_two {
     ($level:expr, $simd:pat => $body:expr) => {
@@ -83,6 +89,9 @@ macro_rules! dispatch_two {
             $crate::Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
             #[cfg(target_arch = "aarch64")]
             $crate::Token::Neon(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Sse2(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
             $crate::Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
             other => unreachable!("no level of two has the token {other:?}"),
         }
@@ -115,6 +124,12 @@ macro_rules! by_level {
                 type $S = $crate::__arm::Neon;
                 $value
             }
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Sse2(_) => {
+                type $S = $crate::__x86::Sse2;
+                $value
+            }
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
             $crate::Token::Fallback(_) => {
                 type $S = $crate::__Fallback;
                 $value
@@ -140,6 +155,12 @@ macro_rules! by_level_of_two {
                 type $S = $crate::__arm::Neon;
                 $value
             }
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Sse2(_) => {
+                type $S = $crate::__x86::Sse2;
+                $value
+            }
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
             $crate::Token::Fallback(_) => {
                 type $S = $crate::__Fallback;
                 $value

@@ -7,11 +7,11 @@ use fearless_simd::Level as Token;
 
 /// A token that proves that the CPU has a level's instructions. All lane operations come with it.
 pub trait Simd: fearless_simd::Simd {
-    /// Floats in one register; 1 where lanes are arrays.
+    /// Floats in one register; 1 at the scalar level, whatever its lanes are.
     const LANES: usize;
 
-    /// Whether kernels of sixteen lanes are compiled for it. Not where lanes are arrays: those take minutes to compile and
-    /// gain nothing.
+    /// Whether kernels of sixteen lanes are compiled for it. Not at the scalar level: those of arrays take minutes to compile
+    /// and gain nothing.
     const HAS_TILES: bool = Self::LANES > 1;
 
     /// The token of this level that `token` holds.
@@ -27,6 +27,7 @@ fn mismatch(token: Token, requested: &str) -> ! {
     panic!("a kernel for {requested} was given the token of {token:?}")
 }
 
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
 impl Simd for fearless_simd::Fallback {
     const LANES: usize = 1;
 
@@ -41,9 +42,21 @@ impl Simd for fearless_simd::Fallback {
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod x86 {
-    use fearless_simd::x86::{Avx2, Avx512, Sse4_2};
+    use fearless_simd::x86::{Avx2, Avx512, Sse2, Sse4_2};
 
     use super::{Token, mismatch};
+
+    impl super::Simd for Sse2 {
+        const LANES: usize = 1;
+
+        #[inline(always)]
+        fn from_token(token: Token) -> Self {
+            match token {
+                Token::Sse2(token) => token,
+                other => mismatch(other, "Sse2"),
+            }
+        }
+    }
 
     impl super::Simd for Sse4_2 {
         const LANES: usize = 4;
