@@ -86,10 +86,7 @@ impl Level {
 
     fn best_token_up_to(self) -> fearless_simd::Level {
         let not_above = Self::ALL.into_iter().filter(|&level| level <= self).rev();
-        not_above
-            .filter_map(Self::exact_token)
-            .next()
-            .expect("every CPU runs the scalar level")
+        not_above.filter_map(Self::exact_token).next().expect("every CPU runs the scalar level")
     }
 
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

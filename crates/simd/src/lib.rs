@@ -29,16 +29,16 @@ pub use token::Simd;
 pub use fearless_simd::Level as Token;
 
 #[doc(hidden)]
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+pub use fearless_simd::Fallback as __Fallback;
+#[doc(hidden)]
+pub use fearless_simd::Simd as __Base;
+#[doc(hidden)]
 #[cfg(target_arch = "aarch64")]
 pub use fearless_simd::aarch64 as __arm;
 #[doc(hidden)]
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 pub use fearless_simd::x86 as __x86;
-#[doc(hidden)]
-pub use fearless_simd::Simd as __Base;
-#[doc(hidden)]
-#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-pub use fearless_simd::Fallback as __Fallback;
 
 /// Runs an expression with the token of a [`Level`]: `dispatch!(level, simd => kernel(simd, rays))`.
 ///

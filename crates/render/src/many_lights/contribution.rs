@@ -91,11 +91,7 @@ pub(super) fn each_contribution(
 ) {
     for (n, source) in sources.iter().enumerate() {
         let mut contribution = [0.0; BLOCK];
-        let known = if block.may_get(source) {
-            block.light(level, source, light)
-        } else {
-            Some(0)
-        };
+        let known = if block.may_get(source) { block.light(level, source, light) } else { Some(0) };
         if known.is_some_and(|lit| lit > 0) {
             dispatch!(level, _simd => luminances(light, &mut contribution));
         }

@@ -92,7 +92,13 @@ impl<R: Real> Sum<R> {
     }
 
     #[inline(always)]
-    fn of_inline(&mut self, k: usize, lobe: &PreparedLobe<R>, wi: Vector<R>, i: R) -> (Vector<R>, R, Vector<R>) {
+    fn of_inline(
+        &mut self,
+        k: usize,
+        lobe: &PreparedLobe<R>,
+        wi: Vector<R>,
+        i: R,
+    ) -> (Vector<R>, R, Vector<R>) {
         // Behind a normal of the lobe's own light counts as grazing, as views do.
         let own = R::pick(self.above, i, -i);
         let cos = R::pick(own.above_all(0.0), i.size(), i.all(GRAZING));
