@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use gnurt_accel::{
     BuildControl, BuildError, BuildOptions, CurveBasis, CurveForm, Curves, Discs, GeometryKind, Instance,
     Memory, Motion, MovingQuads, MovingTree, MovingTriangles, ObjectTree, Quads, Quality, Query, SceneError,
-    SceneTree, Shape, Spheres, Triangles,
+    SceneTree, Shape, Spheres, Triangles, UserGeometry,
 };
 
 use crate::device::Problem;
@@ -147,6 +147,13 @@ impl Prepared<'_> {
             }
         };
         geometry.with_mask(self.mask).within(self.surface.times)
+    }
+
+    fn user(&self) -> Option<Arc<UserPrimitives>> {
+        match &self.arrays {
+            Arrays::User(user) => Some(Arc::clone(user)),
+            _ => None,
+        }
     }
 
     fn count(&self) -> usize {
@@ -298,7 +305,11 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
     let follow = Follow { moves: is_dynamic || refits > 0, may_refit: is_dynamic || !others_differ };
     let control = Control::new(scene, plan.settings.progress);
     let object = build_object(&plan.settings, &control, moving, &prepared, follow)?;
+    let users: Vec<Option<Arc<UserPrimitives>>> = prepared.iter().map(Prepared::user).collect();
     drop((prepared, control));
+    for (surface, user) in surfaces.iter_mut().zip(users) {
+        surface.user = user.map(|user| user as Arc<dyn UserGeometry>);
+    }
     let options = options_of(&plan.settings);
     let tree = if instances.is_empty() {
         Tree::Object(object)
@@ -416,6 +427,7 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
         joints: other(buffer::FLAGS, 0),
         filters,
         point,
+        user: None,
     })
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Embree's calls without an implementation here: subdivision surfaces, its builder of BVHs, collisions. They
+//! Embree's calls without an implementation here: subdivision surfaces, its builder of BVHs. They
 //! exist, so that programs can be linked and loaded; each reports an error and does nothing else.
 //! Source: the names of Embree 4.4's headers. Tests: `tests/c/embree.c`.
 
@@ -8,7 +8,7 @@ use std::ffi::{c_char, c_int, c_void};
 use crate::device::{Device, Problem};
 use crate::ffi_device::absent;
 use crate::ffi_handle::{Handle, shared, with};
-use crate::objects::{Geometry, Scene};
+use crate::objects::Geometry;
 
 macro_rules! of_nothing {
     ($($name:ident)*) => { $(
@@ -100,14 +100,4 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewBVH(device: Handle) -> Handle {
     // SAFETY: passed on.
     absent("rtcNewBVH", unsafe { shared::<Device>(device) }.as_deref());
     std::ptr::null_mut()
-}
-
-/// Not here.
-///
-/// # Safety
-/// A scene.
-#[unsafe(no_mangle)]
-pub(crate) unsafe extern "C-unwind" fn rtcCollide(scene: Handle) {
-    // SAFETY: passed on.
-    absent("rtcCollide", unsafe { shared::<Scene>(scene) }.as_ref().map(|scene| &*scene.device));
 }

@@ -2,8 +2,8 @@
 //! The calls of Embree 4 on GNU RT's trees: the library that `cargo xtask install` names libembree4.so.4.
 //!
 //! `ffi*.rs` hold the exported functions and all of the `unsafe` code. `ffi_device.rs`, `ffi_scene.rs`, `ffi_geometry.rs`,
-//! `ffi_arrays.rs` edit the objects of `objects.rs`, and `commit.rs` builds from them. `ffi_trace.rs` and `ffi_point.rs`
-//! trace queries, `ffi_filter.rs` and `ffi_user.rs` call the program from trees, `ffi_forward.rs` forwards rays to other
+//! `ffi_arrays.rs` edit the objects of `objects.rs`, and `commit.rs` builds from them. `ffi_trace.rs`, `ffi_point.rs` and
+//! `ffi_collide.rs` answer queries, `ffi_filter.rs` and `ffi_user.rs` call the program from trees, `ffi_forward.rs` forwards rays to other
 //! scenes. No panic crosses to C. docs/reference/c-rays.md is the manual. Tests: `tests/c/*.c`.
 //!
 //! Memory, exceptions and threads are files of libgnurt, compiled a second time: a library of both would export
@@ -23,6 +23,8 @@ mod ffi_callbacks;
 #[expect(unsafe_code, reason = "a frame that catches, and what it catches")]
 #[path = "../../rays/src/ffi_catch.rs"]
 mod ffi_catch;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_collide;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_device;
 #[expect(unsafe_code, reason = "functions of C programs")]

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, Rw
 
 use gnurt_accel::{
     CurveBasis, CurveForm, KeyInterval, MotionPath, MovingTree, ObjectTree, Query, SceneTree, Threads,
+    UserGeometry,
 };
 
 use crate::device::Device;
@@ -501,9 +502,16 @@ pub(crate) struct Surface {
     pub(crate) joints: View,
     pub(crate) filters: Filters,
     pub(crate) point: PointFunction,
+    /// The primitives of user geometry, once they are known.
+    pub(crate) user: Option<Arc<dyn UserGeometry>>,
 }
 
 impl Surface {
+    /// Whether there are several time steps.
+    pub(crate) fn moves(&self) -> bool {
+        !self.later.is_empty() || self.user.as_ref().is_some_and(|user| user.keys() > 1)
+    }
+
     /// The arrays of all time steps.
     pub(crate) fn steps(&self) -> impl Iterator<Item = &StepArrays> {
         std::iter::once(&self.first).chain(&self.later)

@@ -50,6 +50,14 @@ fn motion() {
 }
 
 #[test]
+fn collisions() {
+    let workshop = workshop();
+    let binary = workshop.build("cc", "c11", "embree/tests/c/collide.c");
+    workshop.run(&binary, &[]);
+    run_on_embree(&binary);
+}
+
+#[test]
 fn commits() {
     let workshop = workshop();
     let binary = workshop.build("cc", "c11", "embree/tests/c/joined.c");

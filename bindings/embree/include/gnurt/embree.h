@@ -268,6 +268,12 @@ typedef void (*RTCFilterFunctionN)(const struct RTCFilterFunctionNArguments *);
 typedef void (*RTCIntersectFunctionN)(const struct RTCIntersectFunctionNArguments *);
 typedef void (*RTCOccludedFunctionN)(const struct RTCOccludedFunctionNArguments *);
 typedef void (*RTCBoundsFunction)(const struct RTCBoundsFunctionArguments *);
+/* Primitives of the first scene and of the second that may meet. */
+struct RTCCollision {
+    unsigned int geomID0, primID0, geomID1, primID1;
+};
+
+typedef void (*RTCCollideFunc)(void *user, struct RTCCollision *, unsigned int count);
 typedef bool (*RTCPointQueryFunction)(struct RTCPointQueryFunctionArguments *);
 
 struct RTCIntersectArguments {
@@ -433,6 +439,7 @@ void rtcForwardOccluded16(const int *valid, const struct RTCOccludedFunctionNArg
                        unsigned int instID);
 void rtcForwardOccluded16Ex(const int *valid, const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay16 *,
                          unsigned int instID, unsigned int instPrimID);
+void rtcCollide(RTCScene, RTCScene, RTCCollideFunc, void *user); /* all pairs, in blocks, by the calling thread */
 bool rtcPointQuery(RTCScene, struct RTCPointQuery *, struct RTCPointQueryContext *, RTCPointQueryFunction, void *user);
 void rtcTraversableIntersect1(RTCTraversable, struct RTCRayHit *, struct RTCIntersectArguments * GNURT_OPTIONAL);
 void rtcTraversableOccluded1(RTCTraversable, struct RTCRay *, struct RTCOccludedArguments * GNURT_OPTIONAL);
