@@ -204,7 +204,7 @@ int main(int count, char **arguments)
     const int sizes[][2][GEOMETRIES] = { { { 500, 200 }, { 300, 40 } }, { { 3, 0 }, { 600, 100 } }, { { 4, 3 }, { 5, 1 } } };
     for (int i = 0; i < 3; i++)
         for (int is_mesh = 0; is_mesh < (is_ours ? 2 : 1); is_mesh++)
-            pairs(sizes[i], i < 2 ? 0.1f + 0.2f * is_mesh : 4, is_mesh);
+            pairs(sizes[i], i == 0 ? 0.1f + 0.2f * is_mesh : 0.5f * i * i, is_mesh);
     if (is_ours)
         errors();
     rtcReleaseDevice(device);
