@@ -26,7 +26,6 @@ pub mod primitives;
 mod ray_mask;
 mod scene;
 mod shader_file;
-pub mod subdivision;
 mod tangents;
 pub mod texture;
 mod waste;
@@ -35,6 +34,8 @@ pub use affine::Affine;
 pub use animation::Animation;
 pub use camera::{Camera, Lens, Projection};
 pub use check::CheckError;
+/// Subdivision surfaces: a crate of its own.
+pub use gnurt_subdivision as subdivision;
 pub use id::{CameraId, InstanceId, LightId, MaterialId, MediumId, MeshId, ObjectId, TextureId};
 pub use labels::Labels;
 pub use layer_textures::LayerTextures;

@@ -18,4 +18,3 @@ mod obj;
 mod ply;
 mod save;
 mod solids;
-mod subdivision;

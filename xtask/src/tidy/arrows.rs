@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 31] = [
+const ARROWS: [(&str, &[&str]); 32] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -12,7 +12,8 @@ const ARROWS: [(&str, &[&str]); 31] = [
     ("accel", &["simd", "accel-core", "accel-bvh", "accel-kd"]),
     ("image", &[]),
     ("denoise", &["simd", "image"]),
-    ("scene", &["image"]),
+    ("subdivision", &[]),
+    ("scene", &["image", "subdivision"]),
     ("usd", &["image", "scene", "materialx"]),
     ("shading", &["simd", "image", "accel"]),
     ("materialx", &[]),

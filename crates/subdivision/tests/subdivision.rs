@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Subdivision surfaces: closed forms of limits, invariants of refinement.
 
-use gnurt_scene::subdivision::{
+use gnurt_subdivision::{
     Boundary, Channel, Faces, FacesError, Scheme, Surface, affordable_level, refine, smooth_normals,
 };
 
@@ -111,7 +111,7 @@ fn boundaries() {
         refine(&surface, vec![positions(values.clone())], 2)
     };
     assert_eq!(with(Boundary::None).faces.len(), 16, "the middle face alone");
-    let least = |refined: &gnurt_scene::subdivision::Refined| {
+    let least = |refined: &gnurt_subdivision::Refined| {
         refined
             .faces
             .corners()

@@ -3,6 +3,7 @@
 //! Catmull-Clark, Loop and bilinear rules with creases, corners and boundaries; after the last step points lie on the limit surface.
 //! Source: \[CC78\], \[Loo87\], \[DKT98\] (semi-sharp creases); names and rules of boundaries as in USD's mesh schema.
 //! Space: that of the control mesh. Cost: O(faces 4^level). Tests: `tests/subdivision.rs`.
+#![forbid(unsafe_code)]
 
 mod catmull_clark;
 mod limit;
