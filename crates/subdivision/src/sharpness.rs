@@ -6,7 +6,7 @@ use super::surface::Boundary;
 use super::topology::Topology;
 
 /// A sharpness from which it never ends.
-const FOREVER: f32 = 10.0;
+pub(super) const FOREVER: f32 = 10.0;
 
 /// The rule of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,7 @@ pub(super) enum Rule {
 }
 
 /// Sharpness of a surface's edges and vertices.
+#[derive(Debug)]
 pub(super) struct Sharpness {
     edges: Vec<f32>,
     vertices: Vec<f32>,
@@ -64,6 +65,15 @@ impl Sharpness {
 
     pub(super) fn of_edge(&self, edge: usize) -> f32 {
         self.edges[edge]
+    }
+
+    pub(super) fn of_vertex(&self, vertex: usize) -> f32 {
+        self.vertices[vertex]
+    }
+
+    /// Whether the faces of a vertex make no fan.
+    pub(super) fn is_torn(&self, vertex: usize) -> bool {
+        self.is_torn[vertex]
     }
 
     /// The rules that apply to a vertex in this step and in the next, and the share of the first.

@@ -25,6 +25,22 @@ impl Stencils {
         self.starts.push(self.terms.len() as u32);
     }
 
+    /// The same in double precision.
+    pub(super) fn apply_doubles(&self, values: &[f64], width: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; self.starts.len() * width];
+        let mut from = 0;
+        for (sum, &end) in sums.chunks_exact_mut(width.max(1)).zip(&self.starts) {
+            for &(value, weight) in &self.terms[from..end as usize] {
+                let at = value as usize * width;
+                for (sum, &x) in sum.iter_mut().zip(&values[at..at + width]) {
+                    *sum += f64::from(weight) * x;
+                }
+            }
+            from = end as usize;
+        }
+        sums
+    }
+
     /// All sums of values of `width` floats.
     pub(super) fn apply(&self, values: &[f32], width: usize) -> Vec<f32> {
         let mut sums = Vec::with_capacity(self.starts.len() * width);

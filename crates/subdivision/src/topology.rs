@@ -70,6 +70,11 @@ impl Faces {
         Self { starts: (0..=count).map(|face| face * sides).collect(), corners, vertices }
     }
 
+    /// Faces of any number of sides: where the corners of each begin, one more at the end, all in range.
+    pub(super) fn of_parts(starts: Vec<u32>, corners: Vec<u32>, vertices: usize) -> Self {
+        Self { starts, corners, vertices }
+    }
+
     /// The same faces with other values at their corners, all in range.
     pub(super) fn with_corners(&self, corners: Vec<u32>, vertices: usize) -> Self {
         Self { starts: self.starts.clone(), corners, vertices }
@@ -129,6 +134,7 @@ impl Faces {
 }
 
 /// Edges of faces.
+#[derive(Debug)]
 pub(super) struct Topology {
     /// Their two vertices, the lower one first.
     pub(super) edges: Vec<[u32; 2]>,
@@ -145,6 +151,7 @@ pub(super) struct Topology {
 }
 
 /// Lists of numbers, one after the other.
+#[derive(Debug)]
 struct Lists {
     starts: Vec<u32>,
     items: Vec<u32>,

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A quadrangle whose limit is a uniform bicubic B-spline, and the values and derivatives of that.
+//! At sides that are sharp forever, rows of control points behind the side are mirrored, which gives the crease's rules
+//! exactly. Source: \[CC78\]; the control points of boundaries follow from the masks of \[DKT98\]. Tests: `tests/cage.rs`.
+
+use super::ring::Ring;
+use super::sharpness::{FOREVER, Rule, Sharpness};
+use super::topology::Topology;
+
+/// Values, first derivatives by u and v, second ones by uu, vv and uv: one after the other.
+pub(super) const JET: usize = 6;
+
+/// A side of the quadrangle.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    /// With a quadrangle behind it: the vertices there, beside the side's first vertex and its second.
+    Smooth { face: u32, beside: [u32; 2] },
+    /// Sharp forever.
+    Sharp,
+}
+
+/// Places of control points: column by u, row by v.
+const CORNERS: [[usize; 2]; 4] = [[1, 1], [2, 1], [2, 2], [1, 2]];
+
+/// Sixteen control points of `width` numbers each; `None` where the quadrangle is no such patch.
+pub(super) fn control_points(ring: &Ring, topology: &Topology, sharpness: &Sharpness) -> Option<Vec<f64>> {
+    let mut sides = [Side::Sharp; 4];
+    for (at, side) in sides.iter_mut().enumerate() {
+        *side = side_of(ring, topology, sharpness, at)?;
+    }
+    let mut diagonals = [None; 4];
+    for (at, diagonal) in diagonals.iter_mut().enumerate() {
+        *diagonal = corner_of(ring, topology, sharpness, [sides[(at + 3) % 4], sides[at]], at)?;
+    }
+    let width = ring.width;
+    let mut points = vec![0.0; 16 * width];
+    let place = |[column, row]: [usize; 2]| (4 * row + column) * width;
+    let mut put = |at: [usize; 2], vertex: u32| {
+        let from = vertex as usize * width;
+        points[place(at)..place(at) + width].copy_from_slice(&ring.values[from..from + width]);
+    };
+    for (at, &vertex) in CORNERS.iter().zip(&ring.center) {
+        put(*at, vertex);
+    }
+    // Steps outwards from a side, by its first corner.
+    const OUTWARDS: [[isize; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
+    let step = |[column, row]: [usize; 2], [x, y]: [isize; 2]| {
+        [column.wrapping_add_signed(x), row.wrapping_add_signed(y)]
+    };
+    for (at, side) in sides.iter().enumerate() {
+        if let Side::Smooth { beside, .. } = side {
+            put(step(CORNERS[at], OUTWARDS[at]), beside[0]);
+            put(step(CORNERS[(at + 1) % 4], OUTWARDS[at]), beside[1]);
+        }
+    }
+    for (at, diagonal) in diagonals.iter().enumerate() {
+        if let Some(vertex) = diagonal {
+            put(step(step(CORNERS[at], OUTWARDS[at]), OUTWARDS[(at + 3) % 4]), *vertex);
+        }
+    }
+    let mut mirror = |on: [usize; 2], [x, y]: [isize; 2]| {
+        let (out, inner) = (place(step(on, [x, y])), place(step(on, [-x, -y])));
+        for k in 0..width {
+            points[out + k] = 2.0 * points[place(on) + k] - points[inner + k];
+        }
+    };
+    for (at, _) in sides.iter().enumerate().filter(|(_, side)| **side == Side::Sharp) {
+        mirror(CORNERS[at], OUTWARDS[at]);
+        mirror(CORNERS[(at + 1) % 4], OUTWARDS[at]);
+    }
+    // Corners last: a side's row goes on beyond its ends.
+    for at in 0..4 {
+        let (before, outwards) = ((at + 3) % 4, OUTWARDS[at]);
+        if sides[at] == Side::Sharp {
+            mirror(step(CORNERS[at], OUTWARDS[before]), outwards);
+        } else if sides[before] == Side::Sharp {
+            mirror(step(CORNERS[at], outwards), OUTWARDS[before]);
+        }
+    }
+    Some(points)
+}
+
+/// A side; `None` where it is neither smooth with a quadrangle behind it nor sharp forever.
+fn side_of(ring: &Ring, topology: &Topology, sharpness: &Sharpness, at: usize) -> Option<Side> {
+    let [a, b] = [ring.center[at], ring.center[(at + 1) % 4]];
+    let edge = topology.edge_between(a, b)?;
+    let sharp = sharpness.of_edge(edge);
+    if sharp >= FOREVER {
+        return Some(Side::Sharp);
+    }
+    let face = topology.edge_faces[edge].into_iter().find(|&face| face != 0)?;
+    let corners = ring.corners(face);
+    if sharp > 0.0 || topology.face_counts[edge] != 2 || corners.len() != 4 {
+        return None;
+    }
+    let beside = |vertex: u32, other: u32| {
+        let i = corners.iter().position(|&corner| corner == vertex)?;
+        [corners[(i + 1) % 4], corners[(i + 3) % 4]].into_iter().find(|&next| next != other)
+    };
+    Some(Side::Smooth { face, beside: [beside(a, b)?, beside(b, a)?] })
+}
+
+/// The control point behind a corner, where there is one; the outer `None` where the corner's rule is no spline's.
+fn corner_of(
+    ring: &Ring,
+    topology: &Topology,
+    sharpness: &Sharpness,
+    [before, after]: [Side; 2],
+    at: usize,
+) -> Option<Option<u32>> {
+    let vertex = ring.center[at];
+    let i = vertex as usize;
+    let rule = sharpness.rule(topology, i, |sharpness| sharpness);
+    let faces = topology.faces_of(i);
+    match (before, after) {
+        (Side::Smooth { face: first, .. }, Side::Smooth { face: second, .. }) => {
+            let is_smooth = rule == Rule::Smooth
+                && topology.edges_of(i).iter().all(|&edge| sharpness.of_edge(edge as usize) == 0.0);
+            if !is_smooth || faces.len() != 4 || topology.edges_of(i).len() != 4 {
+                return None;
+            }
+            let across = *faces.iter().find(|&&face| face != 0 && face != first && face != second)?;
+            let corners = ring.corners(across);
+            let place = corners.iter().position(|&corner| corner == vertex)?;
+            (corners.len() == 4).then(|| Some(corners[(place + 2) % 4]))
+        }
+        (Side::Sharp, Side::Sharp) => {
+            let edges = topology.edges_of(i);
+            let sharp = edges.iter().filter(|&&edge| sharpness.of_edge(edge as usize) >= FOREVER).count();
+            let stays = sharpness.is_torn(i) || sharpness.of_vertex(i) >= FOREVER || sharp > 2;
+            stays.then_some(None)
+        }
+        (Side::Smooth { beside, .. }, Side::Sharp) => {
+            let (own, on) = (ring.center[(at + 1) % 4], beside[1]);
+            goes_on(topology, sharpness, vertex, rule, [own, on]).then_some(None)
+        }
+        (Side::Sharp, Side::Smooth { beside, .. }) => {
+            let (own, on) = (ring.center[(at + 3) % 4], beside[0]);
+            goes_on(topology, sharpness, vertex, rule, [own, on]).then_some(None)
+        }
+    }
+}
+
+/// Whether a crease goes through a vertex from one end to the other, forever.
+fn goes_on(topology: &Topology, sharpness: &Sharpness, vertex: u32, rule: Rule, ends: [u32; 2]) -> bool {
+    let is_sharp =
+        |end: u32| topology.edge_between(vertex, end).is_some_and(|edge| sharpness.of_edge(edge) >= FOREVER);
+    let is_both = matches!(rule, Rule::Crease(found) if found == ends || found == [ends[1], ends[0]]);
+    is_both && ends.into_iter().all(is_sharp)
+}
+
+/// The weights of four control points and their first and second derivatives.
+fn basis(t: f64) -> [[f64; 4]; 3] {
+    let s = 1.0 - t;
+    [
+        [
+            s * s * s / 6.0,
+            (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0,
+            (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0,
+            t * t * t / 6.0,
+        ],
+        [-0.5 * s * s, 1.5 * t * t - 2.0 * t, -1.5 * s * s + 2.0 * s, 0.5 * t * t],
+        [s, 3.0 * t - 2.0, 3.0 * s - 2.0, t],
+    ]
+}
+
+/// Writes the jet of a bicubic patch; `scale` is by how much its parameters are finer than those of the whole.
+pub(super) fn spline(points: &[f64], width: usize, [u, v]: [f64; 2], scale: f64, jet: &mut [f64]) {
+    let (by_u, by_v) = (basis(u), basis(v));
+    jet.fill(0.0);
+    for (row, points) in points.chunks_exact(4 * width).enumerate() {
+        for (column, point) in points.chunks_exact(width).enumerate() {
+            let weights = [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2], [1, 1]]
+                .map(|[a, b]: [usize; 2]| by_u[a][column] * by_v[b][row]);
+            for (out, weight) in jet.chunks_exact_mut(width).zip(weights) {
+                out.iter_mut().zip(point).for_each(|(out, x)| *out += weight * x);
+            }
+        }
+    }
+    scale_jet(jet, width, scale);
+}
+
+/// The same of a bilinear patch of four corners, one after the other.
+pub(super) fn bilinear(corners: &[f64], width: usize, [u, v]: [f64; 2], scale: f64, jet: &mut [f64]) {
+    for k in 0..width {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|corner| corners[corner * width + k]);
+        let twist = a - b + c - d;
+        let values = [a + u * (b - a) + v * (d - a) + u * v * twist, b - a + v * twist, d - a + u * twist];
+        for (i, x) in values.into_iter().chain([0.0, 0.0, twist]).enumerate() {
+            jet[i * width + k] = x;
+        }
+    }
+    scale_jet(jet, width, scale);
+}
+
+fn scale_jet(jet: &mut [f64], width: usize, scale: f64) {
+    jet[width..3 * width].iter_mut().for_each(|x| *x *= scale);
+    jet[3 * width..].iter_mut().for_each(|x| *x *= scale * scale);
+}
