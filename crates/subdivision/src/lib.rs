@@ -17,10 +17,12 @@ mod ring;
 mod sharpness;
 mod stencils;
 mod surface;
+mod tessellation;
 mod topology;
 
 pub use cage::{Cage, Place, boundary_vertices};
 pub use normals::smooth_normals;
 pub use refine::{affordable_level, refine};
 pub use surface::{Boundary, Channel, LEVEL, MOST_TRIANGLES, Refined, Scheme, Surface};
+pub use tessellation::{MOST_LEVEL, Tessellation, TooManyCells};
 pub use topology::{Faces, FacesError};
