@@ -15,17 +15,23 @@ use gnurt_accel::{
     SceneTree, Shape, Spheres, Triangles, UserGeometry,
 };
 
+use crate::cells::{Cells, cells_before, quads_of_grids};
+use crate::cut::{Displace, cut};
 use crate::device::Problem;
 use crate::ffi_abi::{Code, buffer, quality, scene_flag};
 use crate::ffi_callbacks::{Callback, ProgressFunction};
 use crate::ffi_catch::Thrown;
+use crate::ffi_displace::{Point, displace};
 use crate::ffi_memory::View;
 use crate::ffi_user::UserPrimitives;
 use crate::objects::{
     Committed, Geometry, Kind, Moving, Plan, Scene, SceneSettings, Settings, Shown, ShownInstance,
-    StepArrays, Surface, Tree, path,
+    StepArrays, Surface, Tree, Uncut, path,
 };
 use crate::transform::{Columns, IDENTITY};
+
+/// The most cells of grids: two triangles each.
+const MOST_CELLS: u32 = (gnurt_accel::MOST_TRIANGLES / 2) as u32;
 
 /// The source of a surface, and its mask.
 struct Prepared<'a> {
@@ -221,6 +227,7 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
 
 fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Committed, Problem> {
     let (mut surfaces, mut masks, mut users) = (Vec::new(), Vec::new(), Vec::new());
+    let mut uncut = Vec::new();
     let mut shown_instances = vec![ShownInstance {
         geom_id: 0,
         prim_id: None,
@@ -252,11 +259,32 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
             let Settings { user, filters, user_count, steps, .. } = *settings;
             (user, filters, user_count, steps)
         }));
+        uncut.push(match geometry.kind {
+            Kind::Subdivision => Some(Uncut {
+                control: settings.control(0).map_err(|problem| problem.of_geometry(geom_id))?,
+                levels: settings.array(buffer::LEVEL, 0),
+                rate: settings.rate,
+                displacement: settings.displacement,
+            }),
+            _ => None,
+        });
         surfaces.push(surface(geom_id, geometry, &settings)?);
         masks.push(settings.mask);
     }
     // From here on functions of the program may query settings, and edit them: nothing is locked but commits
     // of this scene.
+    for (surface, uncut) in surfaces.iter_mut().zip(&uncut) {
+        let Some(uncut) = uncut else { continue };
+        let geometry = Arc::clone(&surface.geometry);
+        let displace = |prim_id: u32, time_step: u32, points: &mut [Point]| {
+            // The threads of this are in the commit as well.
+            let _inside = Inside::enter(scene);
+            displace(uncut.displacement, &geometry, prim_id, time_step, points)
+        };
+        let displace: Option<Displace> = uncut.displacement.is_some().then_some(&displace);
+        let workers = scene.device.workers(16 * uncut.control.faces() as usize);
+        cut(surface, uncut, displace, workers.threads())?;
+    }
     let mut prepared = Vec::new();
     for ((surface, &mask), user) in surfaces.iter().zip(&masks).zip(users) {
         let arrays = match (surface.kind, user) {
@@ -265,7 +293,11 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
                 let user = UserPrimitives::new(geometry, surface.geom_id, functions, filters, count, steps)?;
                 Arrays::User(Arc::new(user))
             }
-            (Kind::Quads, None) => {
+            (Kind::Grids, None) => {
+                let keys = surface.steps().map(|step| step.vertices.rows()).collect();
+                Arrays::Quads(keys, Cow::Owned(quads_of_grids(&surface.indices)))
+            }
+            (Kind::Quads | Kind::Subdivision, None) => {
                 let keys = surface.steps().map(|step| step.vertices.rows()).collect();
                 Arrays::Quads(keys, surface.indices.rows())
             }
@@ -390,6 +422,7 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
         settings.arrays.get(&(of, slot)).map_or_else(View::empty, |array| array.view.clone())
     };
     let kind = geometry.kind;
+    let mut cells = None;
     // No setting means no primitives, which is no error with Embree either.
     let is_empty =
         settings.arrays.is_empty() || matches!(kind, Kind::User | Kind::Instance | Kind::Instances);
@@ -404,8 +437,20 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
     let first = step(0)?;
     let indices = match kind {
         Kind::Triangles | Kind::Quads | Kind::Curves(..) if !is_empty => array(buffer::INDEX, 0, "index")?,
+        Kind::Subdivision if !is_empty => {
+            array(buffer::FACE, 0, "face")?;
+            array(buffer::INDEX, 0, "index")?
+        }
+        Kind::Grids if !is_empty => array(buffer::GRID, 0, "grid")?,
         _ => View::empty(),
     };
+    if kind == Kind::Grids {
+        let before = cells_before(&indices);
+        let before = before.filter(|before| before.last().is_none_or(|&all| all <= MOST_CELLS));
+        cells = Some(Cells::Grids(before.ok_or_else(|| {
+            Problem::operation(format!("geometry {geom_id}: its grids have more than {MOST_CELLS} cells"))
+        })?));
+    }
     let later = (1..settings.steps).map(step).collect::<Result<Vec<_>, _>>()?;
     if let Some(wrong) = later.iter().position(|step| step.vertices.len() != first.vertices.len()) {
         let (step, count) = (wrong + 1, later[wrong].vertices.len());
@@ -420,6 +465,7 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
         geometry: Arc::clone(geometry),
         kind,
         indices,
+        cells,
         first,
         later,
         times,

@@ -34,6 +34,11 @@ impl Problem {
     pub(crate) fn operation(message: impl Into<String>) -> Self {
         Self { code: Code::InvalidOperation, message: message.into() }
     }
+
+    /// The same with the number of a geometry.
+    pub(crate) fn of_geometry(self, geom_id: u32) -> Self {
+        Self { message: format!("geometry {geom_id}: {}", self.message), ..self }
+    }
 }
 
 impl From<Thrown> for Problem {

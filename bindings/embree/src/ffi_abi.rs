@@ -223,6 +223,39 @@ pub(crate) struct InterpolateArguments {
     pub(crate) count: c_uint,
 }
 
+/// `RTCInterpolateNArguments`.
+#[repr(C)]
+#[derive(Debug)]
+pub(crate) struct InterpolateManyArguments {
+    pub(crate) geometry: *mut c_void,
+    pub(crate) valid: *const c_void,
+    pub(crate) prim_ids: *const c_uint,
+    pub(crate) u: *const f32,
+    pub(crate) v: *const f32,
+    pub(crate) n: c_uint,
+    pub(crate) buffer_type: c_uint,
+    pub(crate) slot: c_uint,
+    pub(crate) values: *mut f32,
+    pub(crate) first: [*mut f32; 2],
+    pub(crate) second: [*mut f32; 3],
+    pub(crate) count: c_uint,
+}
+
+/// `RTCDisplacementFunctionNArguments`.
+#[repr(C)]
+#[derive(Debug)]
+pub(crate) struct DisplacementArguments {
+    pub(crate) user_data: *mut c_void,
+    pub(crate) geometry: *mut c_void,
+    pub(crate) prim_id: c_uint,
+    pub(crate) time_step: c_uint,
+    pub(crate) u: *const f32,
+    pub(crate) v: *const f32,
+    pub(crate) normal: [*const f32; 3],
+    pub(crate) position: [*mut f32; 3],
+    pub(crate) n: c_uint,
+}
+
 /// `RTCFilterFunctionN`.
 pub(crate) type FilterFunction = Option<unsafe extern "C-unwind" fn(*const FilterArguments)>;
 /// `RTCIntersectFunctionN`, `RTCOccludedFunctionN`.
@@ -231,6 +264,8 @@ pub(crate) type UserTest = unsafe extern "C-unwind" fn(*const UserArguments);
 pub(crate) type UserFunction = Option<UserTest>;
 /// `RTCBoundsFunction`.
 pub(crate) type BoundsFunction = Option<unsafe extern "C-unwind" fn(*const BoundsArguments)>;
+/// `RTCDisplacementFunctionN`.
+pub(crate) type DisplacementFunction = Option<unsafe extern "C-unwind" fn(*const DisplacementArguments)>;
 /// `RTCPointQueryFunction`.
 pub(crate) type PointFunction = Option<unsafe extern "C-unwind" fn(*mut PointArguments) -> bool>;
 
@@ -250,6 +285,8 @@ pub(crate) enum Code {
 pub(crate) mod kind {
     pub(crate) const TRIANGLE: u32 = 0;
     pub(crate) const QUAD: u32 = 1;
+    pub(crate) const GRID: u32 = 2;
+    pub(crate) const SUBDIVISION: u32 = 8;
     pub(crate) const ROUND_LINEAR_CURVE: u32 = 16;
     pub(crate) const FLAT_LINEAR_CURVE: u32 = 17;
     pub(crate) const ROUND_BEZIER_CURVE: u32 = 24;
@@ -280,6 +317,14 @@ pub(crate) mod buffer {
     pub(crate) const NORMAL: u32 = 3;
     pub(crate) const TANGENT: u32 = 4;
     pub(crate) const NORMAL_DERIVATIVE: u32 = 5;
+    pub(crate) const GRID: u32 = 8;
+    pub(crate) const FACE: u32 = 16;
+    pub(crate) const LEVEL: u32 = 17;
+    pub(crate) const EDGE_CREASE_INDEX: u32 = 18;
+    pub(crate) const EDGE_CREASE_WEIGHT: u32 = 19;
+    pub(crate) const VERTEX_CREASE_INDEX: u32 = 20;
+    pub(crate) const VERTEX_CREASE_WEIGHT: u32 = 21;
+    pub(crate) const HOLE: u32 = 22;
     pub(crate) const TRANSFORM: u32 = 23;
     pub(crate) const FLAGS: u32 = 32;
 }
@@ -288,6 +333,7 @@ pub(crate) mod buffer {
 pub(crate) mod format {
     pub(crate) const UCHAR: u32 = 0x1001;
     pub(crate) const UINT: u32 = 0x5001;
+    pub(crate) const UINT2: u32 = 0x5002;
     pub(crate) const UINT3: u32 = 0x5003;
     pub(crate) const UINT4: u32 = 0x5004;
     pub(crate) const FLOAT: u32 = 0x9001;
@@ -298,6 +344,7 @@ pub(crate) mod format {
     pub(crate) const FLOAT4X4_ROWS: u32 = 0x9144;
     pub(crate) const FLOAT3X4_COLUMNS: u32 = 0x9234;
     pub(crate) const FLOAT4X4_COLUMNS: u32 = 0x9244;
+    pub(crate) const GRID: u32 = 0xA001;
     pub(crate) const QUATERNION: u32 = 0xB001;
 }
 
@@ -343,6 +390,8 @@ mod tests {
             PointContext, 144, 16;
             PointArguments, 48, 16;
             InterpolateArguments, 88, 8;
+            InterpolateManyArguments, 112, 8;
+            DisplacementArguments, 96, 8;
         }
     }
 

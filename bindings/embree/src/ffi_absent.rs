@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Embree's calls without an implementation here: subdivision surfaces, its builder of BVHs. They
+//! Embree's calls without an implementation here: its builder of BVHs, and SYCL. They
 //! exist, so that programs can be linked and loaded; each reports an error and does nothing else.
 //! Source: the names of Embree 4.4's headers. Tests: `tests/c/embree.c`.
 
 use std::ffi::{c_char, c_int, c_void};
 
-use crate::device::{Device, Problem};
+use crate::device::Device;
 use crate::ffi_device::absent;
-use crate::ffi_handle::{Handle, shared, with};
-use crate::objects::Geometry;
+use crate::ffi_handle::{Handle, shared};
 
 macro_rules! of_nothing {
     ($($name:ident)*) => { $(
@@ -22,7 +21,7 @@ macro_rules! of_nothing {
 }
 
 of_nothing! {
-    rtcBuildBVH rtcReleaseBVH rtcRetainBVH rtcThreadLocalAlloc rtcInterpolateN
+    rtcBuildBVH rtcReleaseBVH rtcRetainBVH rtcThreadLocalAlloc
 }
 
 /// There is no SYCL here: false.
@@ -64,31 +63,6 @@ pub(crate) extern "C-unwind" fn rtcNewSYCLDeviceInternal(
 pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceSYCLDevice(device: Handle, _sycl: *const c_void) {
     // SAFETY: passed on.
     absent("rtcSetDeviceSYCLDevice", unsafe { shared::<Device>(device) }.as_deref());
-}
-
-macro_rules! of_geometry {
-    ($($name:ident)*) => { $(
-        /// Not here.
-        ///
-        /// # Safety
-        /// A geometry.
-        #[unsafe(no_mangle)]
-        pub(crate) unsafe extern "C-unwind" fn $name(geometry: Handle) -> usize {
-            let refuse = |geometry: &std::sync::Arc<Geometry>| {
-                absent(stringify!($name), Some(&geometry.device));
-                Ok::<usize, Problem>(0)
-            };
-            // SAFETY: passed on.
-            unsafe { with::<Geometry, _>(geometry, refuse) }
-        }
-    )* };
-}
-
-of_geometry! {
-    rtcSetGeometryDisplacementFunction rtcSetGeometrySubdivisionMode
-    rtcSetGeometryTopologyCount rtcSetGeometryVertexAttributeTopology
-    rtcGetGeometryFace rtcGetGeometryFirstHalfEdge rtcGetGeometryNextHalfEdge rtcGetGeometryOppositeHalfEdge
-    rtcGetGeometryPreviousHalfEdge
 }
 
 /// Not here.

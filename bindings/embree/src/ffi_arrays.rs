@@ -136,7 +136,17 @@ fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
     let fits = match (kind, of) {
         (Kind::Triangles, buffer::INDEX) => format == format::UINT3,
         (Kind::Quads, buffer::INDEX) => format == format::UINT4,
-        (Kind::Triangles | Kind::Quads, buffer::VERTEX) => format == format::FLOAT3,
+        (Kind::Triangles | Kind::Quads | Kind::Grids | Kind::Subdivision, buffer::VERTEX) => {
+            format == format::FLOAT3
+        }
+        (Kind::Grids, buffer::GRID) => format == format::GRID,
+        (Kind::Subdivision, buffer::EDGE_CREASE_INDEX) => format == format::UINT2,
+        (Kind::Subdivision, buffer::INDEX | buffer::FACE | buffer::HOLE | buffer::VERTEX_CREASE_INDEX) => {
+            format == format::UINT
+        }
+        (Kind::Subdivision, buffer::LEVEL | buffer::EDGE_CREASE_WEIGHT | buffer::VERTEX_CREASE_WEIGHT) => {
+            format == format::FLOAT
+        }
         (Kind::Spheres | Kind::Discs(_) | Kind::Curves(..), buffer::VERTEX)
         | (Kind::Curves(CurveBasis::Hermite, _), buffer::TANGENT) => format == format::FLOAT4,
         (Kind::Discs(true) | Kind::Curves(_, CurveForm::Oriented), buffer::NORMAL)
@@ -152,6 +162,8 @@ fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
     };
     let numbers = match format {
         _ if transform::size(format).is_some() => transform::size(format)?,
+        // Two numbers and two half ones.
+        format::GRID => 3,
         _ => (format & 0xff) as usize,
     };
     fits.then_some(if format == format::UCHAR { 1 } else { 4 * numbers })
@@ -185,11 +197,12 @@ impl Given {
         })?;
         let slots = match of {
             buffer::VERTEX_ATTRIBUTE => geometry.settings().attributes,
+            buffer::INDEX => geometry.settings().topologies.len() as u32,
             _ if is_by_step(of) => geometry.settings().steps,
             _ => 1,
         };
         if slot >= slots {
-            let why = "as rtcSetGeometryTimeStepCount and rtcSetGeometryVertexAttributeCount say";
+            let why = "as rtcSetGeometryTimeStepCount, rtcSetGeometryVertexAttributeCount and rtcSetGeometryTopologyCount say";
             return Err(Problem::operation(format!(
                 "slot {slot} of buffers of type {of}: there are {slots} ({why})"
             )));

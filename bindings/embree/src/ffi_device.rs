@@ -61,13 +61,13 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceProperty(device: Handle, prop
             3 => VERSION[2],
             // Packets of 4, 8 and 16 keep their size and order in callbacks, on all machines.
             32..=34 => 1,
-            // Masks, filters, rays that are unsound, triangles, quads, curves, user geometry, points.
-            64 | 66 | 67 | 96 | 97 | 99..=101 => 1,
+            // Masks, filters, rays that are unsound; triangles, quads, subdivision surfaces, curves, user geometry, points.
+            64 | 66 | 67 | 96..=101 => 1,
             // Without back faces: of curves, of spheres.
             62 => isize::from(device.culls_curves),
             63 => isize::from(device.culls_spheres),
-            // Without back faces of triangles; compact polygons; subdivision surfaces.
-            65 | 68 | 98 => 0,
+            // Without back faces of triangles; compact polygons.
+            65 | 68 => 0,
             // Threads of our own; commits may be joined; several scenes at once; processors, not SYCL.
             128 => 0,
             129 | 130 | 140 => 1,

@@ -27,6 +27,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
         let kind = match of {
             kind::TRIANGLE => Kind::Triangles,
             kind::QUAD => Kind::Quads,
+            kind::GRID => Kind::Grids,
+            kind::SUBDIVISION => Kind::Subdivision,
             kind::SPHERE_POINT => Kind::Spheres,
             kind::DISC_POINT => Kind::Discs(false),
             kind::ORIENTED_DISC_POINT => Kind::Discs(true),
@@ -51,8 +53,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
             kind::INSTANCE_ARRAY => Kind::Instances,
             _ => {
                 return Err(Problem::argument(format!(
-                    "geometry type {of} is not supported: triangles, quads, curves, points, user geometry, instances and \
-                     arrays of them are (0, 1, 16 to 60, 120, 121, 122; no cones, grids and subdivision surfaces)"
+                    "geometry type {of} is not supported: triangles, quads, grids, subdivision surfaces, curves, points, user \
+                     geometry, instances and arrays of them are (0, 1, 2, 8, 16 to 60, 120, 121, 122; no cones)"
                 )));
             }
         };
@@ -65,7 +67,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
     unsafe { with_device(device, new) }.map_or(null_mut(), lend)
 }
 
-/// Sets in how many straight pieces bent ribbons that face rays are cut. Other curves are not cut here.
+/// Sets in how many straight pieces bent ribbons that face rays are cut, or edges of subdivision surfaces without a level.
+/// Other curves are not cut here.
 ///
 /// # Safety
 /// A geometry.
@@ -79,9 +82,15 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTessellationRate(geometry: 
             settings.modified();
             Ok(())
         }
-        kind => {
-            Err(Problem::operation(format!("rtcSetGeometryTessellationRate: not for {kind:?}, but curves")))
+        Kind::Subdivision => {
+            let mut settings = geometry.edit();
+            settings.rate = rate.max(1.0);
+            settings.modified();
+            Ok(())
         }
+        kind => Err(Problem::operation(format!(
+            "rtcSetGeometryTessellationRate: not for {kind:?}, but curves and subdivision surfaces"
+        ))),
     };
     // SAFETY: passed on.
     unsafe { with::<Geometry, _>(geometry, check) }
@@ -168,6 +177,7 @@ setters! {
     /// All changes are made.
     rtcCommitGeometry() => |settings| {
         settings.is_committed = true;
+        settings.forget();
         settings.touched();
     };
     /// It is seen.

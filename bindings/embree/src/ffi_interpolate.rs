@@ -1,73 +1,58 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcInterpolate`: values between the corners of triangles and quads. Source: Embree's manual.
-//! Takes a lock that readers share, and no memory: programs call it for each hit. Tests: `tests/c/embree.c`.
+//! `rtcInterpolate`, `rtcInterpolateN`: values between vertices. Source: Embree's manual.
+//! Takes a lock that readers share. Tests: as of `interpolate.rs`.
 
+use std::ffi::{c_int, c_uint};
 use std::sync::Arc;
 
 use crate::device::Problem;
-use crate::ffi_abi::{InterpolateArguments, buffer};
-use crate::ffi_arrays::no_array;
+use crate::ffi_abi::{InterpolateArguments, InterpolateManyArguments};
 use crate::ffi_handle::{Handle, with};
-use crate::objects::{Geometry, Kind};
+use crate::interpolate::{Jet, Query, interpolate, rows};
+use crate::objects::{Geometry, Settings};
 
-/// Corners of a triangle: the one with the remaining weight, and those weighted by u and v; and the
-/// directions in which these grow.
-struct Corners {
-    of: [u32; 3],
-    u: f32,
-    v: f32,
-    sign: f32,
+/// Where values and their derivatives go: value `k` to number `k * stride + at`.
+struct Room {
+    pointers: [*mut f32; 6],
+    stride: usize,
+    at: usize,
 }
 
-/// Computes values, and writes the requested ones.
+impl Room {
+    /// # Safety
+    /// Each pointer is null or has memory for all values.
+    unsafe fn put(&self, k: usize, jet: Jet) {
+        for (to, value) in self.pointers.into_iter().zip(jet).filter(|(to, _)| !to.is_null()) {
+            // SAFETY: the caller vouches for the room.
+            unsafe { to.add(k * self.stride + self.at).write(value) }
+        }
+    }
+}
+
+fn pointers(values: *mut f32, first: [*mut f32; 2], second: [*mut f32; 3]) -> [*mut f32; 6] {
+    let ([u, v], [uu, vv, uv]) = (first, second);
+    [values, u, v, uu, vv, uv]
+}
+
+/// Runs a query.
 ///
 /// # Safety
-/// Each pointer is null or has memory for all values.
-unsafe fn interpolate(geometry: &Geometry, arguments: &InterpolateArguments) -> Result<(), Problem> {
-    let &InterpolateArguments { prim_id, u, v, buffer_type, slot, count, .. } = arguments;
-    let settings = geometry.settings();
-    let array = |of, slot| settings.arrays.get(&(of, slot)).ok_or_else(|| no_array(of, slot));
-    let (rows, indices) = (&array(buffer_type, slot)?.view, &array(buffer::INDEX, 0)?.view);
-    let none = || Problem::argument(format!("primitive {prim_id} is out of range"));
-    let prim_id = prim_id as usize;
-    let corners = match geometry.kind {
-        Kind::Triangles => Corners { of: indices.get::<u32, 3>(prim_id).ok_or_else(none)?, u, v, sign: 1.0 },
-        Kind::Quads => {
-            let [a, b, c, d] = indices.get::<u32, 4>(prim_id).ok_or_else(none)?;
-            if u + v <= 1.0 {
-                Corners { of: [a, b, d], u, v, sign: 1.0 }
-            } else {
-                Corners { of: [c, d, b], u: 1.0 - u, v: 1.0 - v, sign: -1.0 }
-            }
-        }
-        kind => return Err(Problem::operation(format!("interpolation is unsupported for {kind:?}"))),
-    };
-    let Corners { of, u, v, sign } = corners;
-    let at = |corner: u32, k: usize| {
-        rows.number::<f32>(corner as usize, k)
-            .ok_or_else(|| Problem::argument(format!("value {k} of vertex {corner} is not in the buffer")))
-    };
-    // All or nothing: rows are as wide as their last value.
-    for corner in of.into_iter().filter(|_| count > 0) {
-        at(corner, count as usize - 1)?;
-    }
-    for k in 0..count as usize {
-        let [a, b, c] = [at(of[0], k)?, at(of[1], k)?, at(of[2], k)?];
-        let put = |to: *mut f32, value: f32| {
-            if !to.is_null() {
-                // SAFETY: the caller vouches for the room.
-                unsafe { to.add(k).write(value) }
-            }
-        };
-        put(arguments.values, (1.0 - u - v) * a + u * b + v * c);
-        put(arguments.first[0], sign * (b - a));
-        put(arguments.first[1], sign * (c - a));
-        arguments.second.iter().for_each(|&to| put(to, 0.0));
-    }
-    Ok(())
+/// Rows have as many values as are asked for, where they are so far apart: so Embree's manual has it, which asks for room behind
+/// the last row.
+unsafe fn run(
+    geometry: &Geometry,
+    settings: &Settings,
+    query: Query,
+    each: &mut dyn FnMut(usize, Jet),
+) -> Result<(), Problem> {
+    let rows = rows(settings, &query)?;
+    let bytes = 4 * query.count as usize;
+    // SAFETY: passed on; the settings keep the memory meanwhile.
+    let wide = unsafe { rows.widened(bytes) };
+    interpolate(geometry.kind, settings, wide.as_ref().unwrap_or(rows), query, each)
 }
 
-/// Values between the corners of a triangle or a quad. See Embree's manual.
+/// Values between the vertices of a primitive. See Embree's manual.
 ///
 /// # Safety
 /// As Embree's headers say: a geometry, and room for so many values wherever a pointer is not null.
@@ -78,7 +63,58 @@ pub(crate) unsafe extern "C-unwind" fn rtcInterpolate(arguments: *const Interpol
     }
     // SAFETY: passed on.
     let arguments = unsafe { &*arguments };
+    let &InterpolateArguments { prim_id, u, v, buffer_type, slot, count, .. } = arguments;
+    let room =
+        Room { pointers: pointers(arguments.values, arguments.first, arguments.second), stride: 1, at: 0 };
+    let query = Query { prim_id, uv: [u, v], buffer: buffer_type, slot, count };
+    let one = |geometry: &Arc<Geometry>| {
+        // SAFETY: passed on.
+        let mut put = |k: usize, jet: Jet| unsafe { room.put(k, jet) };
+        // SAFETY: passed on.
+        unsafe { run(geometry, &geometry.settings(), query, &mut put) }
+    };
     let geometry: Handle = arguments.geometry;
     // SAFETY: passed on.
-    unsafe { with::<Geometry, ()>(geometry, |geometry: &Arc<Geometry>| interpolate(geometry, arguments)) }
+    unsafe { with::<Geometry, ()>(geometry, one) }
+}
+
+/// The same at many points, in rows of as many values.
+///
+/// # Safety
+/// As Embree's headers say: a geometry, `N` numbers of primitives and parameters, `valid` for each or null, and room for `N` times so
+/// many values wherever a pointer is not null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn rtcInterpolateN(arguments: *const InterpolateManyArguments) {
+    if arguments.is_null() {
+        return;
+    }
+    // SAFETY: passed on.
+    let arguments = unsafe { &*arguments };
+    let &InterpolateManyArguments { valid, prim_ids, u, v, n, buffer_type, slot, count, .. } = arguments;
+    let all = |geometry: &Arc<Geometry>| {
+        if n > 0 && (prim_ids.is_null() || u.is_null() || v.is_null()) {
+            return Err(Problem::argument("primIDs, u or v is a null pointer"));
+        }
+        let (settings, valid): (_, *const c_int) = (geometry.settings(), valid.cast());
+        let of = pointers(arguments.values, arguments.first, arguments.second);
+        for at in 0..n as usize {
+            // SAFETY: passed on: there are as many as `N`.
+            let (is_valid, prim_id, uv): (bool, c_uint, _) = unsafe {
+                let is_valid = valid.is_null() || *valid.add(at) != 0;
+                (is_valid, *prim_ids.add(at), [*u.add(at), *v.add(at)])
+            };
+            if is_valid {
+                let room = Room { pointers: of, stride: n as usize, at };
+                // SAFETY: passed on.
+                let mut put = |k: usize, jet: Jet| unsafe { room.put(k, jet) };
+                let query = Query { prim_id, uv, buffer: buffer_type, slot, count };
+                // SAFETY: passed on.
+                unsafe { run(geometry, &settings, query, &mut put) }?;
+            }
+        }
+        Ok(())
+    };
+    let geometry: Handle = arguments.geometry;
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, ()>(geometry, all) }
 }

@@ -175,11 +175,12 @@ pub(crate) fn hit_for_program(
         },
         None => (INVALID, INVALID),
     };
+    let (prim_id, [u, v]) = located.surface.seen(hit.prim_id, [hit.u, hit.v]);
     abi::Hit {
         normal: located.normal(hit, ray),
-        u: hit.u,
-        v: hit.v,
-        prim_id: hit.prim_id,
+        u,
+        v,
+        prim_id,
         geom_id: located.surface.geom_id,
         inst_id,
         inst_prim_id,

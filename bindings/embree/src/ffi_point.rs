@@ -2,7 +2,7 @@
 //! `rtcPointQuery`: primitives near a point, shown to the program. Source: Embree's manual.
 //!
 //! Primitives within the radius by our own distance, which is exact for triangles and quads; for user
-//! geometry the distance to its box. Spheres and lines are not visited, as by Embree. A query that the
+//! geometry the distance to its box. Points, curves and subdivision surfaces are not visited, as by Embree. A query that the
 //! program forwards from a user geometry, with its own transforms on the stack, uses the space of the
 //! innermost transform, with the greatest growth of lengths there.
 //! Tests: `tests/c/embree.c`.
@@ -106,13 +106,16 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
     let growth = transform::growth(&visit.own);
     let mut show = |hit: &gnurt_accel::PointHit| {
         let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
-        // Embree shows neither: programs do not expect them.
-        if matches!(located.surface.kind, Kind::Spheres | Kind::Discs(_) | Kind::Curves(..)) {
+        // Embree does not show these: programs do not expect them.
+        if matches!(
+            located.surface.kind,
+            Kind::Spheres | Kind::Discs(_) | Kind::Curves(..) | Kind::Subdivision
+        ) {
             // SAFETY: passed on.
             return growth * f64::from(unsafe { (*visit.query).radius });
         }
         // SAFETY: passed on.
-        growth * unsafe { visit.show(&located, hit.prim_id) }
+        growth * unsafe { visit.show(&located, located.surface.seen(hit.prim_id, [0.0; 2]).0) }
     };
     let radius = growth * f64::from(radius);
     match if time == 0.0 { None } else { committed.tree_at(time) } {

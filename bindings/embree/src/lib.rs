@@ -11,7 +11,10 @@
 #![deny(unsafe_code)]
 #![allow(non_snake_case, reason = "C calls have C names")]
 
+mod cells;
 mod commit;
+mod control;
+mod cut;
 mod device;
 mod ffi_abi;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
@@ -28,6 +31,8 @@ mod ffi_collide;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_device;
 #[expect(unsafe_code, reason = "functions of C programs")]
+mod ffi_displace;
+#[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_filter;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_forward;
@@ -42,6 +47,8 @@ mod ffi_lane;
 #[expect(unsafe_code, reason = "memory of C programs")]
 #[path = "../../rays/src/ffi_memory.rs"]
 mod ffi_memory;
+#[expect(unsafe_code, reason = "memory of ours in the form of the program's")]
+mod ffi_own;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_point;
 #[expect(unsafe_code, reason = "a pointer to what never changes")]
@@ -49,10 +56,13 @@ mod ffi_present;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_scene;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_subdivision;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_trace;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_user;
 mod free_ids;
+mod interpolate;
 mod located;
 mod objects;
 #[path = "../../rays/src/pools.rs"]

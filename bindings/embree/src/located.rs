@@ -137,8 +137,8 @@ impl Located<'_> {
                 let [a, b, c] = indices.get::<u32, 3>(prim_id).unwrap_or_default();
                 across(corner(a), corner(b), corner(c))
             }
-            Kind::Quads => {
-                let [a, b, c, d] = indices.get::<u32, 4>(prim_id).unwrap_or_default();
+            Kind::Quads | Kind::Grids | Kind::Subdivision => {
+                let [a, b, c, d] = surface.quad(hit.prim_id).unwrap_or_default();
                 let (first, second) = ([a, b, d], [c, d, b]);
                 let [a, b, c] = if hit.u + hit.v <= 1.0 { first } else { second };
                 across(corner(a), corner(b), corner(c))

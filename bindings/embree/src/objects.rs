@@ -6,15 +6,19 @@
 use std::collections::BTreeMap;
 use std::ffi::c_void;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use gnurt_accel::{
     CurveBasis, CurveForm, KeyInterval, MotionPath, MovingTree, ObjectTree, Query, SceneTree, Threads,
     UserGeometry,
 };
 
-use crate::device::Device;
-use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction, buffer, format};
+use crate::cells::{self, Cells, Grid};
+use crate::control::{Control, Input};
+use crate::device::{Device, Problem};
+use crate::ffi_abi::{
+    BoundsFunction, DisplacementFunction, FilterFunction, PointFunction, UserFunction, buffer, format,
+};
 use crate::ffi_callbacks::{Callback, ProgressFunction};
 use crate::ffi_memory::{Block, Pointer, View};
 use crate::free_ids::FreeIds;
@@ -25,6 +29,8 @@ use crate::transform::{self, Columns, IDENTITY};
 pub(crate) enum Kind {
     Triangles,
     Quads,
+    Grids,
+    Subdivision,
     Spheres,
     /// Whether they have normals.
     Discs(bool),
@@ -74,6 +80,21 @@ pub(crate) struct UserFunctions {
     pub(crate) occluded: UserFunction,
 }
 
+/// Faces of a subdivision surface, by vertices or by values of a kind.
+#[derive(Clone, Debug)]
+pub(crate) struct Topology {
+    pub(crate) mode: u32,
+    /// As the arrays were at the last commit, once somebody has asked for it.
+    control: OnceLock<Arc<Control>>,
+}
+
+impl Topology {
+    /// With a smooth boundary.
+    pub(crate) fn new() -> Self {
+        Self { mode: 1, control: OnceLock::new() }
+    }
+}
+
 /// The state that calls edit.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
@@ -92,6 +113,13 @@ pub(crate) struct Settings {
     pub(crate) scenes: Vec<Arc<Scene>>,
     /// In how many straight pieces bent ribbons that face rays are cut.
     pub(crate) pieces: u8,
+    /// Of subdivision surfaces, one or more.
+    pub(crate) topologies: Vec<Topology>,
+    /// By vertex attribute, where it is not the first one.
+    pub(crate) attribute_topologies: BTreeMap<u32, u32>,
+    /// The level of edges without one of their own.
+    pub(crate) rate: f32,
+    pub(crate) displacement: DisplacementFunction,
     /// How many time steps it has.
     pub(crate) steps: u32,
     /// The times of the first step and of the last.
@@ -132,9 +160,47 @@ impl Settings {
         Some((maps, turns))
     }
 
+    /// An array; empty where there is none.
+    pub(crate) fn array(&self, of: u32, slot: u32) -> View {
+        self.arrays.get(&(of, slot)).map_or_else(View::empty, |array| array.view.clone())
+    }
+
+    /// The control mesh of a topology.
+    ///
+    /// # Errors
+    /// There is none of the number, or its arrays do not fit together.
+    pub(crate) fn control(&self, topology: u32) -> Result<Arc<Control>, Problem> {
+        let Some(known) = self.topologies.get(topology as usize) else {
+            let count = self.topologies.len();
+            return Err(Problem::argument(format!("topology {topology}: there are {count}")));
+        };
+        if let Some(control) = known.control.get() {
+            return Ok(Arc::clone(control));
+        }
+        let array = |of: u32| self.array(of, 0);
+        let (indices, first_indices) = (self.array(buffer::INDEX, topology), array(buffer::INDEX));
+        let control = Control::new(&Input {
+            mode: known.mode,
+            faces: &array(buffer::FACE),
+            indices: &indices,
+            first_indices: &first_indices,
+            vertices: (topology == 0).then(|| array(buffer::VERTEX).len()),
+            holes: &array(buffer::HOLE),
+            edge_creases: [&array(buffer::EDGE_CREASE_INDEX), &array(buffer::EDGE_CREASE_WEIGHT)],
+            vertex_creases: [&array(buffer::VERTEX_CREASE_INDEX), &array(buffer::VERTEX_CREASE_WEIGHT)],
+        })?;
+        Ok(Arc::clone(known.control.get_or_init(|| Arc::new(control))))
+    }
+
+    /// Arrays were written: what was made of them is not used any more.
+    pub(crate) fn forget(&mut self) {
+        self.topologies.iter_mut().for_each(|topology| topology.control = OnceLock::new());
+    }
+
     /// Something was changed that the program has to commit.
     pub(crate) fn modified(&mut self) {
         self.is_committed = false;
+        self.forget();
         self.touched();
     }
 
@@ -174,6 +240,10 @@ impl Geometry {
             point: None,
             scenes: Vec::new(),
             pieces: 4,
+            topologies: vec![Topology::new()],
+            attribute_topologies: BTreeMap::new(),
+            rate: 2.0,
+            displacement: None,
             steps: 1,
             times: [0.0, 1.0],
             instance_matrices: vec![IDENTITY],
@@ -483,13 +553,34 @@ pub(crate) struct StepArrays {
     pub(crate) normal_tangents: View,
 }
 
+impl StepArrays {
+    pub(crate) fn empty() -> Self {
+        let [vertices, normals, tangents, normal_tangents] = [(); 4].map(|()| View::empty());
+        Self { vertices, normals, tangents, normal_tangents }
+    }
+}
+
+/// A subdivision surface before it is cut.
+#[derive(Debug)]
+pub(crate) struct Uncut {
+    pub(crate) control: Arc<Control>,
+    /// By half edge, or empty.
+    pub(crate) levels: View,
+    /// The level of edges without one.
+    pub(crate) rate: f32,
+    pub(crate) displacement: DisplacementFunction,
+}
+
 /// A geometry of a committed scene that has its own primitives.
 #[derive(Debug)]
 pub(crate) struct Surface {
     pub(crate) geom_id: u32,
     pub(crate) geometry: Arc<Geometry>,
     pub(crate) kind: Kind,
+    /// Of grids: these.
     pub(crate) indices: View,
+    /// Where the tree has several quads of one primitive.
+    pub(crate) cells: Option<Cells>,
     /// At the first time step.
     pub(crate) first: StepArrays,
     /// At the others.
@@ -510,6 +601,27 @@ impl Surface {
     /// Whether there are several time steps.
     pub(crate) fn moves(&self) -> bool {
         !self.later.is_empty() || self.user.as_ref().is_some_and(|user| user.keys() > 1)
+    }
+
+    /// The vertices of a quad of the tree.
+    #[inline]
+    pub(crate) fn quad(&self, number: u32) -> Option<[u32; 4]> {
+        match &self.cells {
+            Some(Cells::Grids(before)) => {
+                let (_, grid, [column, row]) = cells::find(before, &self.indices, number)?;
+                Some(Grid::quad(grid, column, row))
+            }
+            _ => self.indices.get(number as usize),
+        }
+    }
+
+    /// The program's primitive and the parameters there, from those of the tree.
+    #[inline]
+    pub(crate) fn seen(&self, number: u32, [u, v]: [f32; 2]) -> (u32, [f32; 2]) {
+        match &self.cells {
+            None => (number, [u, v]),
+            Some(cells) => cells.seen(&self.indices, number, [u, v]),
+        }
     }
 
     /// The arrays of all time steps.

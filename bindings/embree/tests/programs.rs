@@ -58,6 +58,22 @@ fn collisions() {
 }
 
 #[test]
+fn subdivision_surfaces() {
+    let workshop = workshop();
+    let binary = workshop.build("cc", "c11", "embree/tests/c/subdivision.c");
+    workshop.run(&binary, &[]);
+    run_on_embree(&binary);
+}
+
+#[test]
+fn grids() {
+    let workshop = workshop();
+    let binary = workshop.build("cc", "c11", "embree/tests/c/grids.c");
+    workshop.run(&binary, &[]);
+    run_on_embree(&binary);
+}
+
+#[test]
 fn commits() {
     let workshop = workshop();
     let binary = workshop.build("cc", "c11", "embree/tests/c/joined.c");

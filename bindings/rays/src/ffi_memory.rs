@@ -115,6 +115,15 @@ impl View {
         self.count
     }
 
+    /// The same rows with more bytes of each; `None` where they are not so far apart.
+    ///
+    /// # Safety
+    /// The last row has as many bytes, too.
+    pub(crate) unsafe fn widened(&self, bytes: usize) -> Option<Self> {
+        let is_wider = bytes > self.width && bytes <= self.stride;
+        is_wider.then(|| Self { width: bytes, ..self.clone() })
+    }
+
     pub(crate) fn start(&self) -> *mut c_void {
         self.start.cast_mut().cast()
     }

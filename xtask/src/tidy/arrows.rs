@@ -51,7 +51,7 @@ const ARROWS: [(&str, &[&str]); 32] = [
     ("python", &["accel", "gnurt", "cli"]),
     ("rays", &["accel"]),
     // Tests of programs that use both.
-    ("embree", &["accel", "rays"]),
+    ("embree", &["accel", "rays", "subdivision"]),
     ("examples", &["accel", "gnurt"]),
 ];
 

@@ -55,6 +55,7 @@ enum RTCDeviceProperty {
     RTC_DEVICE_PROPERTY_IGNORE_INVALID_RAYS_ENABLED = 67,
     RTC_DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED = 96,
     RTC_DEVICE_PROPERTY_QUAD_GEOMETRY_SUPPORTED = 97,
+    RTC_DEVICE_PROPERTY_SUBDIVISION_GEOMETRY_SUPPORTED = 98,
     RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED = 99,
     RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED = 100,
     RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED = 101,
@@ -66,6 +67,8 @@ enum RTCDeviceProperty {
 enum RTCGeometryType {
     RTC_GEOMETRY_TYPE_TRIANGLE = 0,
     RTC_GEOMETRY_TYPE_QUAD = 1,
+    RTC_GEOMETRY_TYPE_GRID = 2,
+    RTC_GEOMETRY_TYPE_SUBDIVISION = 8,
     RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE = 16,
     RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE = 17,
     RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE = 24,
@@ -95,8 +98,31 @@ enum RTCBufferType {
     RTC_BUFFER_TYPE_NORMAL = 3,
     RTC_BUFFER_TYPE_TANGENT = 4,
     RTC_BUFFER_TYPE_NORMAL_DERIVATIVE = 5,
+    RTC_BUFFER_TYPE_GRID = 8,
+    RTC_BUFFER_TYPE_FACE = 16,
+    RTC_BUFFER_TYPE_LEVEL = 17,
+    RTC_BUFFER_TYPE_EDGE_CREASE_INDEX = 18,
+    RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT = 19,
+    RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX = 20,
+    RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT = 21,
+    RTC_BUFFER_TYPE_HOLE = 22,
     RTC_BUFFER_TYPE_TRANSFORM = 23,
     RTC_BUFFER_TYPE_FLAGS = 32
+};
+
+/* Rows of RTC_BUFFER_TYPE_GRID: sizes are those of vertices. */
+struct RTCGrid {
+    unsigned int startVertexID, stride;
+    unsigned short width, height;
+};
+
+/* The boundary of a subdivision surface is not shown, smooth, smooth with fixed corners, fixed; or all is flat. */
+enum RTCSubdivisionMode {
+    RTC_SUBDIVISION_MODE_NO_BOUNDARY = 0,
+    RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY = 1,
+    RTC_SUBDIVISION_MODE_PIN_CORNERS = 2,
+    RTC_SUBDIVISION_MODE_PIN_BOUNDARY = 3,
+    RTC_SUBDIVISION_MODE_PIN_ALL = 4
 };
 
 /* Bits of the rows of RTC_BUFFER_TYPE_FLAGS. */
@@ -105,6 +131,7 @@ enum RTCCurveFlags { RTC_CURVE_FLAG_NEIGHBOR_LEFT = 1, RTC_CURVE_FLAG_NEIGHBOR_R
 enum RTCFormat {
     RTC_FORMAT_UCHAR = 0x1001,
     RTC_FORMAT_UINT = 0x5001,
+    RTC_FORMAT_UINT2 = 0x5002,
     RTC_FORMAT_UINT3 = 0x5003,
     RTC_FORMAT_UINT4 = 0x5004,
     RTC_FORMAT_FLOAT = 0x9001,
@@ -116,6 +143,7 @@ enum RTCFormat {
     RTC_FORMAT_FLOAT4X4_ROW_MAJOR = 0x9144,
     RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR = 0x9234,
     RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR = 0x9244,
+    RTC_FORMAT_GRID = 0xA001,
     RTC_FORMAT_QUATERNION_DECOMPOSITION = 0xB001
 };
 
@@ -227,6 +255,16 @@ struct RTCBoundsFunctionArguments {
     struct RTCBounds *bounds_o;
 };
 
+struct RTCDisplacementFunctionNArguments {
+    void *geometryUserPtr;
+    RTCGeometry geometry;
+    unsigned int primID;
+    unsigned int timeStep;
+    const float *u, *v, *Ng_x, *Ng_y, *Ng_z;
+    float *P_x, *P_y, *P_z; /* to be moved */
+    unsigned int N;
+};
+
 struct GNURT_ALIGN(16) RTCPointQuery {
     float x, y, z, time, radius;
 };
@@ -265,6 +303,7 @@ typedef void (*RTCErrorFunction)(void *user, enum RTCError code, const char *mes
 typedef bool (*RTCMemoryMonitorFunction)(void *user, ssize_t bytes, bool post);
 typedef bool (*RTCProgressMonitorFunction)(void *user, double done);
 typedef void (*RTCFilterFunctionN)(const struct RTCFilterFunctionNArguments *);
+typedef void (*RTCDisplacementFunctionN)(const struct RTCDisplacementFunctionNArguments *);
 typedef void (*RTCIntersectFunctionN)(const struct RTCIntersectFunctionNArguments *);
 typedef void (*RTCOccludedFunctionN)(const struct RTCOccludedFunctionNArguments *);
 typedef void (*RTCBoundsFunction)(const struct RTCBoundsFunctionArguments *);
@@ -311,6 +350,18 @@ struct RTCInterpolateArguments {
     enum RTCBufferType bufferType;
     unsigned int bufferSlot;
     float *P, *dPdu, *dPdv, *ddPdudu, *ddPdvdv, *ddPdudv; /* each may be null */
+    unsigned int valueCount;
+};
+
+struct RTCInterpolateNArguments {
+    RTCGeometry geometry;
+    const void *valid; /* ints, or null for all */
+    const unsigned int *primIDs;
+    const float *u, *v;
+    unsigned int N;
+    enum RTCBufferType bufferType;
+    unsigned int bufferSlot;
+    float *P, *dPdu, *dPdv, *ddPdudu, *ddPdvdv, *ddPdudv; /* value k of point i is number k * N + i */
     unsigned int valueCount;
 };
 
@@ -376,6 +427,16 @@ void rtcSetGeometryTransformQuaternion(RTCGeometry, unsigned int time_step, cons
 void rtcGetGeometryTransform(RTCGeometry, float time, enum RTCFormat, void *matrix);
 void rtcGetGeometryTransformEx(RTCGeometry, unsigned int instance, float time, enum RTCFormat, void *matrix);
 void rtcInterpolate(const struct RTCInterpolateArguments *);
+void rtcInterpolateN(const struct RTCInterpolateNArguments *);
+void rtcSetGeometryTopologyCount(RTCGeometry, unsigned int count);
+void rtcSetGeometrySubdivisionMode(RTCGeometry, unsigned int topology, enum RTCSubdivisionMode);
+void rtcSetGeometryVertexAttributeTopology(RTCGeometry, unsigned int attribute, unsigned int topology);
+void rtcSetGeometryDisplacementFunction(RTCGeometry, RTCDisplacementFunctionN);
+unsigned int rtcGetGeometryFirstHalfEdge(RTCGeometry, unsigned int face);
+unsigned int rtcGetGeometryFace(RTCGeometry, unsigned int edge);
+unsigned int rtcGetGeometryNextHalfEdge(RTCGeometry, unsigned int edge);
+unsigned int rtcGetGeometryPreviousHalfEdge(RTCGeometry, unsigned int edge);
+unsigned int rtcGetGeometryOppositeHalfEdge(RTCGeometry, unsigned int topology, unsigned int edge);
 
 /* Scenes */
 RTCScene rtcNewScene(RTCDevice);
