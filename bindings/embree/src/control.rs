@@ -24,7 +24,7 @@ pub(crate) struct Input<'a> {
     pub(crate) indices: &'a View,
     /// Of the first topology, whose vertices creases name.
     pub(crate) first_indices: &'a View,
-    /// How many vertices there are; the second topology and later ones have as many as they name.
+    /// How many vertices there are; of later topologies: the number of different vertices named.
     pub(crate) vertices: Option<usize>,
     pub(crate) holes: &'a View,
     /// Edges and their weights.

@@ -258,7 +258,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetSharedGeometryBuffer(
 ) {
     let given = Given { of, slot, format, stride, count };
     let set = |geometry: &Arc<Geometry>| {
-        if start.is_null() {
+        // Empty vectors of C++ have no address.
+        if start.is_null() && count > 0 {
             return Err(Problem::argument("the buffer is a null pointer"));
         }
         // SAFETY: passed on.

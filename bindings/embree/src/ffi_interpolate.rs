@@ -98,7 +98,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcInterpolateN(arguments: *const Interpo
         let (settings, valid): (_, *const c_int) = (geometry.settings(), valid.cast());
         let of = pointers(arguments.values, arguments.first, arguments.second);
         for at in 0..n as usize {
-            // SAFETY: passed on: there are as many as `N`.
+            // SAFETY: passed on: there are `N` of each.
             let (is_valid, prim_id, uv): (bool, c_uint, _) = unsafe {
                 let is_valid = valid.is_null() || *valid.add(at) != 0;
                 (is_valid, *prim_ids.add(at), [*u.add(at), *v.add(at)])

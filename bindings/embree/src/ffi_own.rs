@@ -9,7 +9,7 @@ use crate::ffi_memory::{Block, Number, View};
 pub(crate) fn stored<T: Number, const N: usize>(rows: &[[T; N]]) -> Option<View> {
     let (bytes, width) = (size_of_val(rows), size_of::<[T; N]>());
     let block = Arc::new(Block::new(bytes)?);
-    // SAFETY: the block has as many bytes, and nobody else has it yet; numbers have no invalid bits. The view keeps it.
+    // SAFETY: the block has as many bytes, and it is not shared yet; numbers have no invalid bits. The view keeps it.
     unsafe {
         rows.as_ptr().cast::<u8>().copy_to_nonoverlapping(block.start().cast(), bytes);
         Some(View::new(block.start(), width, rows.len(), width, Some(block)))

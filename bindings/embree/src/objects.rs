@@ -84,7 +84,7 @@ pub(crate) struct UserFunctions {
 #[derive(Clone, Debug)]
 pub(crate) struct Topology {
     pub(crate) mode: u32,
-    /// As the arrays were at the last commit, once somebody has asked for it.
+    /// As the arrays were at the last commit, once a call has asked for it.
     control: OnceLock<Arc<Control>>,
 }
 

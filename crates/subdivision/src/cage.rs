@@ -4,7 +4,7 @@
 //! around it is one. Source: \[CC78\], the idea of \[Sta98\] without its eigenvectors. Cost: at a point of an irregular face
 //! one step on a dozen faces per halving of the distance to its irregular corner. Tests: `tests/cage.rs`.
 
-use super::patch::{self, JET};
+use super::patch::{self, JET, Spline};
 use super::ring::Ring;
 use super::sharpness::Sharpness;
 use super::surface::{Boundary, Scheme, Surface};
@@ -92,7 +92,7 @@ impl Cage {
 
     /// The values of a surface at points of a face, whose `u` goes from the first corner of the place to the second and `v` to the
     /// last. `fill` writes the `width` values of a vertex. `each` gets the number of a point and six times as many: values,
-    /// derivatives by u, by v, by uu, by vv, by uv. Without derivatives asked for, those at irregular corners are 0.
+    /// derivatives by u, by v, by uu, by vv, by uv. Without derivatives asked for, these are not computed.
     pub fn evaluate(
         &self,
         place: Place,
@@ -113,6 +113,12 @@ impl Cage {
                 (search.each)(i, &search.jet);
             }
             return;
+        }
+        if let &[a, b, c, d] = corners
+            && let Some(spline) =
+                Spline::of(self.faces(), &self.topology, &self.sharpness, place.face, [a, b, c, d])
+        {
+            return search.spline(&spline.points(width, &mut *fill), width, all, 1.0);
         }
         let ring = Ring::new(self.faces(), &self.topology, &self.sharpness, face, width, fill);
         if corners.len() == 4 {
@@ -154,15 +160,19 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    fn spline(&mut self, spline: &[f64], width: usize, points: Vec<(usize, [f64; 2])>, scale: f64) {
+        let parts = if self.has_derivatives { JET } else { 1 };
+        for (i, at) in points {
+            patch::spline(spline, width, at, scale, &mut self.jet[..parts * width]);
+            (self.each)(i, &self.jet);
+        }
+    }
+
     fn run(&mut self, ring: &Ring, points: Vec<(usize, [f64; 2])>, steps: u32) {
         let scale = f64::from(1_u32 << steps);
         let (topology, sharpness) = ring.topology();
-        if let Some(spline) = patch::control_points(ring, &topology, &sharpness) {
-            for (i, at) in points {
-                patch::spline(&spline, ring.width, at, scale, &mut self.jet);
-                (self.each)(i, &self.jet);
-            }
-            return;
+        if let Some(spline) = ring.control_points(&topology, &sharpness) {
+            return self.spline(&spline, ring.width, points, scale);
         }
         let is_at_corner = |&(_, at): &(usize, [f64; 2])| at.iter().all(|&x| x == 0.0 || x == 1.0);
         let most = if points.iter().all(is_at_corner) { STEPS_TO_CORNER } else { MOST_STEPS };
@@ -174,9 +184,6 @@ impl Search<'_> {
             let limits = ring.limits(&topology, &sharpness);
             for (i, at) in ends {
                 patch::bilinear(&limits, ring.width, at, scale, &mut self.jet);
-                if !self.has_derivatives {
-                    self.jet[ring.width..].fill(0.0);
-                }
                 (self.each)(i, &self.jet);
             }
         }

@@ -3,9 +3,8 @@
 //! At sides that are sharp forever, rows of control points behind the side are mirrored, which gives the crease's rules
 //! exactly. Source: \[CC78\]; the control points of boundaries follow from the masks of \[DKT98\]. Tests: `tests/cage.rs`.
 
-use super::ring::Ring;
 use super::sharpness::{FOREVER, Rule, Sharpness};
-use super::topology::Topology;
+use super::topology::{Faces, Topology};
 
 /// Values, first derivatives by u and v, second ones by uu, vv and uv: one after the other.
 pub(super) const JET: usize = 6;
@@ -22,131 +21,165 @@ enum Side {
 /// Places of control points: column by u, row by v.
 const CORNERS: [[usize; 2]; 4] = [[1, 1], [2, 1], [2, 2], [1, 2]];
 
-/// Sixteen control points of `width` numbers each; `None` where the quadrangle is no such patch.
-pub(super) fn control_points(ring: &Ring, topology: &Topology, sharpness: &Sharpness) -> Option<Vec<f64>> {
-    let mut sides = [Side::Sharp; 4];
-    for (at, side) in sides.iter_mut().enumerate() {
-        *side = side_of(ring, topology, sharpness, at)?;
-    }
-    let mut diagonals = [None; 4];
-    for (at, diagonal) in diagonals.iter_mut().enumerate() {
-        *diagonal = corner_of(ring, topology, sharpness, [sides[(at + 3) % 4], sides[at]], at)?;
-    }
-    let width = ring.width;
-    let mut points = vec![0.0; 16 * width];
-    let place = |[column, row]: [usize; 2]| (4 * row + column) * width;
-    let mut put = |at: [usize; 2], vertex: u32| {
-        let from = vertex as usize * width;
-        points[place(at)..place(at) + width].copy_from_slice(&ring.values[from..from + width]);
-    };
-    for (at, &vertex) in CORNERS.iter().zip(&ring.center) {
-        put(*at, vertex);
-    }
-    // Steps outwards from a side, by its first corner.
-    const OUTWARDS: [[isize; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
-    let step = |[column, row]: [usize; 2], [x, y]: [isize; 2]| {
-        [column.wrapping_add_signed(x), row.wrapping_add_signed(y)]
-    };
-    for (at, side) in sides.iter().enumerate() {
-        if let Side::Smooth { beside, .. } = side {
-            put(step(CORNERS[at], OUTWARDS[at]), beside[0]);
-            put(step(CORNERS[(at + 1) % 4], OUTWARDS[at]), beside[1]);
-        }
-    }
-    for (at, diagonal) in diagonals.iter().enumerate() {
-        if let Some(vertex) = diagonal {
-            put(step(step(CORNERS[at], OUTWARDS[at]), OUTWARDS[(at + 3) % 4]), *vertex);
-        }
-    }
-    let mut mirror = |on: [usize; 2], [x, y]: [isize; 2]| {
-        let (out, inner) = (place(step(on, [x, y])), place(step(on, [-x, -y])));
-        for k in 0..width {
-            points[out + k] = 2.0 * points[place(on) + k] - points[inner + k];
-        }
-    };
-    for (at, _) in sides.iter().enumerate().filter(|(_, side)| **side == Side::Sharp) {
-        mirror(CORNERS[at], OUTWARDS[at]);
-        mirror(CORNERS[(at + 1) % 4], OUTWARDS[at]);
-    }
-    // Corners last: a side's row goes on beyond its ends.
-    for at in 0..4 {
-        let (before, outwards) = ((at + 3) % 4, OUTWARDS[at]);
-        if sides[at] == Side::Sharp {
-            mirror(step(CORNERS[at], OUTWARDS[before]), outwards);
-        } else if sides[before] == Side::Sharp {
-            mirror(step(CORNERS[at], outwards), OUTWARDS[before]);
-        }
-    }
-    Some(points)
+/// A quadrangle whose limit is a B-spline.
+pub(super) struct Spline {
+    /// By column and row; those behind sharp sides are mirrored, and have no vertex.
+    vertices: [Option<u32>; 16],
+    /// Which sides are sharp: below, right, above, left.
+    is_sharp: [bool; 4],
 }
 
-/// A side; `None` where it is neither smooth with a quadrangle behind it nor sharp forever.
-fn side_of(ring: &Ring, topology: &Topology, sharpness: &Sharpness, at: usize) -> Option<Side> {
-    let [a, b] = [ring.center[at], ring.center[(at + 1) % 4]];
-    let edge = topology.edge_between(a, b)?;
-    let sharp = sharpness.of_edge(edge);
-    if sharp >= FOREVER {
-        return Some(Side::Sharp);
-    }
-    let face = topology.edge_faces[edge].into_iter().find(|&face| face != 0)?;
-    let corners = ring.corners(face);
-    if sharp > 0.0 || topology.face_counts[edge] != 2 || corners.len() != 4 {
-        return None;
-    }
-    let beside = |vertex: u32, other: u32| {
-        let i = corners.iter().position(|&corner| corner == vertex)?;
-        [corners[(i + 1) % 4], corners[(i + 3) % 4]].into_iter().find(|&next| next != other)
-    };
-    Some(Side::Smooth { face, beside: [beside(a, b)?, beside(b, a)?] })
+/// Steps outwards from a side, by its first corner.
+const OUTWARDS: [[isize; 2]; 4] = [[0, -1], [1, 0], [0, 1], [-1, 0]];
+
+fn step([column, row]: [usize; 2], [x, y]: [isize; 2]) -> [usize; 2] {
+    [column.wrapping_add_signed(x), row.wrapping_add_signed(y)]
 }
 
-/// The control point behind a corner, where there is one; the outer `None` where the corner's rule is no spline's.
-fn corner_of(
-    ring: &Ring,
-    topology: &Topology,
-    sharpness: &Sharpness,
-    [before, after]: [Side; 2],
-    at: usize,
-) -> Option<Option<u32>> {
-    let vertex = ring.center[at];
-    let i = vertex as usize;
-    let rule = sharpness.rule(topology, i, |sharpness| sharpness);
-    let faces = topology.faces_of(i);
-    match (before, after) {
-        (Side::Smooth { face: first, .. }, Side::Smooth { face: second, .. }) => {
-            let is_smooth = rule == Rule::Smooth
-                && topology.edges_of(i).iter().all(|&edge| sharpness.of_edge(edge as usize) == 0.0);
-            if !is_smooth || faces.len() != 4 || topology.edges_of(i).len() != 4 {
-                return None;
+impl Spline {
+    /// Of a face, its corners beginning where parameters are 0; `None` where its limit is another surface.
+    pub(super) fn of(
+        faces: &Faces,
+        topology: &Topology,
+        sharpness: &Sharpness,
+        face: u32,
+        center: [u32; 4],
+    ) -> Option<Self> {
+        let mesh = Mesh { faces, topology, sharpness, face, center };
+        let mut sides = [Side::Sharp; 4];
+        for (at, side) in sides.iter_mut().enumerate() {
+            *side = mesh.side(at)?;
+        }
+        let mut vertices = [None; 16];
+        let mut put = |[column, row]: [usize; 2], vertex: u32| vertices[4 * row + column] = Some(vertex);
+        for (at, own) in CORNERS.into_iter().enumerate() {
+            let before = (at + 3) % 4;
+            let diagonal = mesh.corner([sides[before], sides[at]], at)?;
+            put(own, center[at]);
+            if let Some(vertex) = diagonal {
+                put(step(step(own, OUTWARDS[at]), OUTWARDS[before]), vertex);
             }
-            let across = *faces.iter().find(|&&face| face != 0 && face != first && face != second)?;
-            let corners = ring.corners(across);
-            let place = corners.iter().position(|&corner| corner == vertex)?;
-            (corners.len() == 4).then(|| Some(corners[(place + 2) % 4]))
+            if let Side::Smooth { beside, .. } = sides[at] {
+                put(step(own, OUTWARDS[at]), beside[0]);
+                put(step(CORNERS[(at + 1) % 4], OUTWARDS[at]), beside[1]);
+            }
         }
-        (Side::Sharp, Side::Sharp) => {
-            let edges = topology.edges_of(i);
-            let sharp = edges.iter().filter(|&&edge| sharpness.of_edge(edge as usize) >= FOREVER).count();
-            let stays = sharpness.is_torn(i) || sharpness.of_vertex(i) >= FOREVER || sharp > 2;
-            stays.then_some(None)
+        Some(Self { vertices, is_sharp: sides.map(|side| side == Side::Sharp) })
+    }
+
+    /// Sixteen control points of `width` numbers each; `fill` writes those of a vertex.
+    pub(super) fn points(&self, width: usize, mut fill: impl FnMut(u32, &mut [f64])) -> Vec<f64> {
+        let mut points = vec![0.0; 16 * width];
+        for (vertex, values) in self.vertices.iter().zip(points.chunks_exact_mut(width.max(1))) {
+            if let Some(vertex) = vertex {
+                fill(*vertex, values);
+            }
         }
-        (Side::Smooth { beside, .. }, Side::Sharp) => {
-            let (own, on) = (ring.center[(at + 1) % 4], beside[1]);
-            goes_on(topology, sharpness, vertex, rule, [own, on]).then_some(None)
+        let place = |[column, row]: [usize; 2]| (4 * row + column) * width;
+        let mut mirror = |on: [usize; 2], [x, y]: [isize; 2]| {
+            let (out, inner) = (place(step(on, [x, y])), place(step(on, [-x, -y])));
+            for k in 0..width {
+                points[out + k] = 2.0 * points[place(on) + k] - points[inner + k];
+            }
+        };
+        for at in (0..4).filter(|&at| self.is_sharp[at]) {
+            mirror(CORNERS[at], OUTWARDS[at]);
+            mirror(CORNERS[(at + 1) % 4], OUTWARDS[at]);
         }
-        (Side::Sharp, Side::Smooth { beside, .. }) => {
-            let (own, on) = (ring.center[(at + 3) % 4], beside[0]);
-            goes_on(topology, sharpness, vertex, rule, [own, on]).then_some(None)
+        // Corners last: a side's row goes on beyond its ends.
+        for (at, own) in CORNERS.into_iter().enumerate() {
+            let before = (at + 3) % 4;
+            if self.is_sharp[at] {
+                mirror(step(own, OUTWARDS[before]), OUTWARDS[at]);
+            } else if self.is_sharp[before] {
+                mirror(step(own, OUTWARDS[at]), OUTWARDS[before]);
+            }
         }
+        points
     }
 }
 
-/// Whether a crease goes through a vertex from one end to the other, forever.
-fn goes_on(topology: &Topology, sharpness: &Sharpness, vertex: u32, rule: Rule, ends: [u32; 2]) -> bool {
-    let is_sharp =
-        |end: u32| topology.edge_between(vertex, end).is_some_and(|edge| sharpness.of_edge(edge) >= FOREVER);
-    let is_both = matches!(rule, Rule::Crease(found) if found == ends || found == [ends[1], ends[0]]);
-    is_both && ends.into_iter().all(is_sharp)
+/// A quadrangle in its mesh.
+struct Mesh<'a> {
+    faces: &'a Faces,
+    topology: &'a Topology,
+    sharpness: &'a Sharpness,
+    face: u32,
+    center: [u32; 4],
+}
+
+impl Mesh<'_> {
+    /// A side; `None` where it is neither smooth with a quadrangle behind it nor sharp forever.
+    fn side(&self, at: usize) -> Option<Side> {
+        let Self { topology, sharpness, .. } = *self;
+        let [a, b] = [self.center[at], self.center[(at + 1) % 4]];
+        let edge = topology.edge_between(a, b)?;
+        let sharp = sharpness.of_edge(edge);
+        if sharp >= FOREVER {
+            return Some(Side::Sharp);
+        }
+        let face = topology.edge_faces[edge].into_iter().find(|&face| face != self.face)?;
+        let corners = self.corners(face);
+        if sharp > 0.0 || topology.face_counts[edge] != 2 || corners.len() != 4 {
+            return None;
+        }
+        let beside = |vertex: u32, other: u32| {
+            let i = corners.iter().position(|&corner| corner == vertex)?;
+            [corners[(i + 1) % 4], corners[(i + 3) % 4]].into_iter().find(|&next| next != other)
+        };
+        Some(Side::Smooth { face, beside: [beside(a, b)?, beside(b, a)?] })
+    }
+
+    /// The control point behind a corner, where there is one; the outer `None` where the corner's rule is no spline's.
+    fn corner(&self, [before, after]: [Side; 2], at: usize) -> Option<Option<u32>> {
+        let Self { topology, sharpness, .. } = *self;
+        let vertex = self.center[at];
+        let i = vertex as usize;
+        let rule = sharpness.rule(topology, i, |sharpness| sharpness);
+        let faces = topology.faces_of(i);
+        match (before, after) {
+            (Side::Smooth { face: first, .. }, Side::Smooth { face: second, .. }) => {
+                let is_smooth = rule == Rule::Smooth
+                    && topology.edges_of(i).iter().all(|&edge| sharpness.of_edge(edge as usize) == 0.0);
+                if !is_smooth || faces.len() != 4 || topology.edges_of(i).len() != 4 {
+                    return None;
+                }
+                let across =
+                    *faces.iter().find(|&&face| face != self.face && face != first && face != second)?;
+                let corners = self.corners(across);
+                let place = corners.iter().position(|&corner| corner == vertex)?;
+                (corners.len() == 4).then(|| Some(corners[(place + 2) % 4]))
+            }
+            (Side::Sharp, Side::Sharp) => {
+                let edges = topology.edges_of(i);
+                let sharp = edges.iter().filter(|&&edge| sharpness.of_edge(edge as usize) >= FOREVER).count();
+                let stays = sharpness.is_torn(i) || sharpness.of_vertex(i) >= FOREVER || sharp > 2;
+                stays.then_some(None)
+            }
+            (Side::Smooth { beside, .. }, Side::Sharp) => {
+                let (own, on) = (self.center[(at + 1) % 4], beside[1]);
+                self.goes_on(vertex, rule, [own, on]).then_some(None)
+            }
+            (Side::Sharp, Side::Smooth { beside, .. }) => {
+                let (own, on) = (self.center[(at + 3) % 4], beside[0]);
+                self.goes_on(vertex, rule, [own, on]).then_some(None)
+            }
+        }
+    }
+
+    /// Whether a crease goes through a vertex from one end to the other, forever.
+    fn goes_on(&self, vertex: u32, rule: Rule, ends: [u32; 2]) -> bool {
+        let Self { topology, sharpness, .. } = *self;
+        let is_sharp = |end: u32| {
+            topology.edge_between(vertex, end).is_some_and(|edge| sharpness.of_edge(edge) >= FOREVER)
+        };
+        let is_both = matches!(rule, Rule::Crease(found) if found == ends || found == [ends[1], ends[0]]);
+        is_both && ends.into_iter().all(is_sharp)
+    }
+
+    fn corners(&self, face: u32) -> &[u32] {
+        &self.faces.corners()[self.faces.range(face as usize)]
+    }
 }
 
 /// The weights of four control points and their first and second derivatives.
@@ -164,7 +197,8 @@ fn basis(t: f64) -> [[f64; 4]; 3] {
     ]
 }
 
-/// Writes the jet of a bicubic patch; `scale` is by how much its parameters are finer than those of the whole.
+/// Writes the jet of a bicubic patch, or as many parts of it as there is room; `scale` is by how much its parameters are finer
+/// than those of the whole.
 pub(super) fn spline(points: &[f64], width: usize, [u, v]: [f64; 2], scale: f64, jet: &mut [f64]) {
     let (by_u, by_v) = (basis(u), basis(v));
     jet.fill(0.0);
@@ -177,7 +211,9 @@ pub(super) fn spline(points: &[f64], width: usize, [u, v]: [f64; 2], scale: f64,
             }
         }
     }
-    scale_jet(jet, width, scale);
+    if jet.len() > width {
+        scale_jet(jet, width, scale);
+    }
 }
 
 /// The same of a bilinear patch of four corners, one after the other.

@@ -3,6 +3,7 @@
 //! Invariant: the face is number 0, and the faces around its vertices are complete, so that the rules there are those of the
 //! whole surface. Others are not read. Tests: `tests/cage.rs`.
 
+use super::patch::Spline;
 use super::sharpness::{FOREVER, Rule, Sharpness};
 use super::surface::Boundary;
 use super::topology::{Faces, Topology};
@@ -96,8 +97,17 @@ impl Ring {
         Self { faces, creases, sharp, center, width, values }
     }
 
-    pub(super) fn corners(&self, face: u32) -> &[u32] {
+    fn corners(&self, face: u32) -> &[u32] {
         &self.faces.corners()[self.faces.range(face as usize)]
+    }
+
+    /// The control points of the face; `None` where its limit is no spline.
+    pub(super) fn control_points(&self, topology: &Topology, sharpness: &Sharpness) -> Option<Vec<f64>> {
+        let spline = Spline::of(&self.faces, topology, sharpness, 0, self.center)?;
+        let own = |vertex: u32, values: &mut [f64]| {
+            values.copy_from_slice(&self.values[vertex as usize * self.width..][..self.width]);
+        };
+        Some(spline.points(self.width, own))
     }
 
     /// Whether the masks of limits hold: they are those of quadrangles, no sharpness is to end, and no crease ends at a corner.
