@@ -75,14 +75,15 @@ impl Control {
             starts.push(u32::try_from(sum).unwrap_or(u32::MAX));
         }
         for indices in [input.indices, input.first_indices] {
-            if sum != indices.len() as u64 {
+            // More are not read, as by Embree.
+            if sum > indices.len() as u64 {
                 let given = indices.len();
                 return Err(Problem::operation(format!(
                     "the faces have {sum} corners, but the index buffer has {given}"
                 )));
             }
         }
-        let mut indices: Vec<u32> = numbers(input.indices).collect();
+        let mut indices: Vec<u32> = numbers(input.indices).take(sum as usize).collect();
         let (vertices, rows) = match input.vertices {
             Some(vertices) => (vertices, None),
             None => {

@@ -8,6 +8,7 @@
 //! Tests: `tests/c/embree.c`.
 
 use std::cell::Cell;
+use std::collections::HashSet;
 use std::ffi::{c_int, c_void};
 
 use crate::ffi_abi::{INVALID, PointArguments, PointContext, PointFunction, PointQuery};
@@ -104,6 +105,8 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
     let PointQuery { point, radius, time } = unsafe { *visit.query };
     let point = transform::point(&visit.own, point.map(f64::from));
     let growth = transform::growth(&visit.own);
+    // A grid is one primitive, of which the tree has each cell.
+    let mut grids = HashSet::new();
     let mut show = |hit: &gnurt_accel::PointHit| {
         let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
         // Embree does not show these: programs do not expect them.
@@ -114,8 +117,13 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
             // SAFETY: passed on.
             return growth * f64::from(unsafe { (*visit.query).radius });
         }
+        let (prim_id, _) = located.surface.seen(hit.prim_id, [0.0; 2]);
+        if located.surface.kind == Kind::Grids && !grids.insert((hit.leaf_id, hit.geom_id, prim_id)) {
+            // SAFETY: passed on.
+            return growth * f64::from(unsafe { (*visit.query).radius });
+        }
         // SAFETY: passed on.
-        growth * unsafe { visit.show(&located, located.surface.seen(hit.prim_id, [0.0; 2]).0) }
+        growth * unsafe { visit.show(&located, prim_id) }
     };
     let radius = growth * f64::from(radius);
     match if time == 0.0 { None } else { committed.tree_at(time) } {

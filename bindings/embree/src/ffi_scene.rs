@@ -5,6 +5,8 @@ use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;
 use std::sync::Arc;
 
+use gnurt_accel::Aabb;
+
 use crate::commit::commit;
 use crate::device::Problem;
 use crate::ffi_abi::{Bounds, format};
@@ -12,7 +14,7 @@ use crate::ffi_callbacks::{Callback, ProgressFunction};
 use crate::ffi_handle::{Handle, lend, not_committed, release, retain, shared, with, with_device};
 use crate::ffi_memory::Pointer;
 use crate::ffi_present::present;
-use crate::objects::{Geometry, Scene, path, run_query};
+use crate::objects::{Geometry, Scene, Surface, Tree, path, run_query, run_tree};
 use crate::transform;
 
 /// A new scene. See Embree's manual, here and below.
@@ -270,16 +272,52 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetSceneBounds(scene: Handle, bounds: 
     }
 }
 
-/// Writes the box around all at the beginning and at the end of time: here they are one.
+/// Boxes at the times 0 and 1, between which all of the scene is at any time: between them, boxes go straight. One box, twice,
+/// where something is an instance, or is not there all the time.
+fn linear_bounds_of(scene: &Scene, is_null: bool) -> Result<Option<[Bounds; 2]>, Problem> {
+    let Some(all) = bounds_of(scene, is_null)? else { return Ok(None) };
+    let committed = scene.unmodified().ok_or_else(not_committed)?;
+    let is_always = |surface: &Surface| surface.times[0] <= 0.0 && surface.times[1] >= 1.0;
+    if matches!(committed.tree, Tree::Scene(_)) || !committed.surfaces.iter().all(is_always) {
+        return Ok(Some([all; 2]));
+    }
+    let at = |time: f32| match committed.tree_at(time) {
+        Some(tree) => run_tree!(&*tree, tree => tree.bounds()),
+        None => run_query!(committed, tree => tree.bounds()),
+    };
+    let [mut start, mut end] = [at(0.0), at(1.0)];
+    // Where steps are between, what goes beyond is added to both.
+    let inner = committed.surfaces.iter().flat_map(|surface| {
+        let ([from, to], steps) = (surface.times, surface.step_count());
+        (0..steps).map(move |step| from + (to - from) * step as f32 / (steps.max(2) - 1) as f32)
+    });
+    for time in inner.filter(|&time| time > 0.0 && time < 1.0) {
+        let there = at(time);
+        for k in 0..3 {
+            let mix = |a: f32, b: f32| a + time * (b - a);
+            let below = (mix(start.min[k], end.min[k]) - there.min[k]).max(0.0);
+            let above = (there.max[k] - mix(start.max[k], end.max[k])).max(0.0);
+            for side in [&mut start, &mut end] {
+                side.min[k] -= below;
+                side.max[k] += above;
+            }
+        }
+    }
+    let bounds = |of: Aabb| Bounds { lower: of.min, align0: 0.0, upper: of.max, align1: 0.0 };
+    Ok(Some([bounds(start), bounds(end)]))
+}
+
+/// Writes the boxes around all at the beginning and at the end of time.
 ///
 /// # Safety
 /// A scene, and room for two boxes.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcGetSceneLinearBounds(scene: Handle, bounds: *mut [Bounds; 2]) {
     // SAFETY: passed on.
-    if let Some(found) = unsafe { with::<Scene, _>(scene, |scene| bounds_of(scene, bounds.is_null())) } {
+    let found = unsafe { with::<Scene, _>(scene, |scene| linear_bounds_of(scene, bounds.is_null())) };
+    if let Some(found) = found {
         // SAFETY: passed on.
-        unsafe { bounds.write_unaligned([found; 2]) }
+        unsafe { bounds.write_unaligned(found) }
     }
 }
 

@@ -600,7 +600,12 @@ pub(crate) struct Surface {
 impl Surface {
     /// Whether there are several time steps.
     pub(crate) fn moves(&self) -> bool {
-        !self.later.is_empty() || self.user.as_ref().is_some_and(|user| user.keys() > 1)
+        self.step_count() > 1
+    }
+
+    /// How many time steps there are.
+    pub(crate) fn step_count(&self) -> usize {
+        self.user.as_ref().map_or(1 + self.later.len(), |user| user.keys() as usize)
     }
 
     /// The vertices of a quad of the tree.

@@ -138,11 +138,12 @@ static void rays(int steps)
     rtcReleaseScene(other);
 }
 
-static unsigned near_grids;
+static unsigned near_grids, near_calls;
 
 static bool look(struct RTCPointQueryFunctionArguments *args)
 {
     near_grids |= 1u << args->primID;
+    near_calls++;
     return false;
 }
 
@@ -154,7 +155,7 @@ static void points(void)
     struct RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     rtcPointQuery(scene, &query, &context, look, NULL);
-    CHECK(near_grids == 8, "grid 3 alone is near: %u", near_grids);
+    CHECK(near_grids == 8 && near_calls == 1, "grid 3 alone is near, once: %u, %u", near_grids, near_calls);
     rtcReleaseGeometry(grid);
     rtcReleaseScene(scene);
 }

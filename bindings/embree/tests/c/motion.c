@@ -305,6 +305,41 @@ static void programs(void)
     rtcReleaseScene(scene);
 }
 
+/* A triangle along x: boxes that go straight from the first to the second hold it at all times. */
+static void boxes(void)
+{
+    static const float x[3] = { 0, 5, 3 };
+    static const unsigned corners[3] = { 0, 1, 2 };
+    float points[3][3][3];
+    for (int step = 0; step < 3; step++)
+        for (int i = 0; i < 3; i++)
+            points[step][i][0] = x[step] + i % 2, points[step][i][1] = i / 2, points[step][i][2] = 0;
+    for (int steps = 1; steps < 4; steps++) {
+        RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetGeometryTimeStepCount(mesh, steps);
+        for (int step = 0; step < steps; step++)
+            rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, points[step], 0, 12, 3);
+        rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, corners, 0, 12, 1);
+        RTCScene scene = committed(mesh);
+        struct RTCLinearBounds both;
+        rtcGetSceneLinearBounds(scene, &both);
+        const struct RTCBounds *a = &both.bounds0, *b = &both.bounds1;
+        if (steps < 3)
+            CHECK(near(a->lower_x, 0) && near(a->upper_x, 1) && near(b->lower_x, x[steps - 1]) &&
+                      near(b->upper_x, x[steps - 1] + 1),
+                  "%d steps: from %g to %g", steps, a->lower_x, b->upper_x);
+        for (int i = 0; i <= 20; i++) {
+            float t = i / 20.0f, share = steps == 3 ? 2 * t - (t >= 0.5f) : t;
+            int step = steps == 3 && t >= 0.5f, next = steps == 1 ? 0 : step + 1;
+            float at = x[step] + share * (x[next] - x[step]);
+            CHECK(a->lower_x + t * (b->lower_x - a->lower_x) < at + 1e-4f &&
+                      a->upper_x + t * (b->upper_x - a->upper_x) > at + 1 - 1e-4f,
+                  "%d steps at %g", steps, t);
+        }
+        rtcReleaseScene(scene);
+    }
+}
+
 static void expect(enum RTCError code, const char *what)
 {
     enum RTCError found = rtcGetDeviceError(device);
@@ -342,6 +377,7 @@ int main(int count, char **arguments)
     device = rtcNewDevice(NULL);
     is_ours = count == 1;
     meshes();
+    boxes();
     others();
     instances();
     programs();

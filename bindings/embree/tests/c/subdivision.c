@@ -479,6 +479,11 @@ static void errors(void)
     rtcReleaseScene(committed(geometry));
     expect(RTC_ERROR_INVALID_OPERATION, "fewer corners than the faces have");
     rtcReleaseGeometry(geometry);
+    geometry = geometry_of(&sheet);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, sheet_counts, 0, 4, 6);
+    rtcReleaseScene(committed(geometry));
+    expect(RTC_ERROR_NONE, "more corners than the faces have");
+    rtcReleaseGeometry(geometry);
     /* Faces that cannot be are left out. */
     unsigned counts[6] = { 4, 4, 4, 2, 2, 8 }, indices[24];
     memcpy(indices, cube_indices, sizeof indices);
