@@ -2,6 +2,8 @@
 //! Grids and subdivision surfaces as quads of a tree: from the numbers of these back to the program's primitives.
 //! Source: Embree's manual, for the parameters of grids and of faces. Tests: `tests/c/grids.c`, `tests/c/subdivision.c`.
 
+use std::sync::Arc;
+
 use gnurt_subdivision::{Place, Tessellation};
 
 use crate::control::Control;
@@ -12,13 +14,13 @@ use crate::ffi_memory::View;
 pub(crate) enum Cells {
     /// How many cells all grids before have; one more at the end.
     Grids(Vec<u32>),
-    Patches(Box<Patches>),
+    Patches(Arc<Patches>),
 }
 
 /// A subdivision surface as it was cut.
 #[derive(Debug)]
 pub(crate) struct Patches {
-    pub(crate) control: std::sync::Arc<Control>,
+    pub(crate) control: Arc<Control>,
     pub(crate) cut: Tessellation,
 }
 

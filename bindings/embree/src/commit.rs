@@ -261,6 +261,7 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
         }));
         uncut.push(match geometry.kind {
             Kind::Subdivision => Some(Uncut {
+                edit: settings.changed_at,
                 control: settings.control(0).map_err(|problem| problem.of_geometry(geom_id))?,
                 levels: settings.array(buffer::LEVEL, 0),
                 rate: settings.rate,

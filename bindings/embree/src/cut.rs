@@ -16,7 +16,7 @@ use crate::ffi_catch::Thrown;
 use crate::ffi_displace::Point;
 use crate::ffi_memory::View;
 use crate::ffi_own::stored;
-use crate::objects::{StepArrays, Surface, Uncut};
+use crate::objects::{CutSurface, StepArrays, Surface, Uncut};
 
 /// Lets the program move points of a face, by its number, at a time step.
 pub(crate) type Displace<'a> = &'a (dyn Fn(u32, u32, &mut [Point]) -> Result<(), Thrown> + Sync);
@@ -28,7 +28,7 @@ fn no_memory() -> Problem {
     Problem { code: Code::OutOfMemory, message: "out of memory for a subdivision surface".into() }
 }
 
-/// Cuts a surface, whose vertices so far are those of the control mesh.
+/// Cuts a surface, whose vertices so far are those of the control mesh; takes what was cut before if nothing was edited since.
 ///
 /// # Errors
 /// Too many quads, no memory, or an exception of the program's function.
@@ -38,6 +38,29 @@ pub(crate) fn cut(
     displace: Option<Displace>,
     threads: Threads,
 ) -> Result<(), Problem> {
+    let known = surface.geometry.cut_at(uncut.edit);
+    let CutSurface { patches, indices, vertices } = match known {
+        Some(known) => known,
+        None => {
+            let made = make(surface, uncut, displace, threads)?;
+            surface.geometry.keep_cut(uncut.edit, made.clone());
+            made
+        }
+    };
+    let mut steps = vertices.into_iter().map(|vertices| StepArrays { vertices, ..StepArrays::empty() });
+    surface.first = steps.next().unwrap_or_else(StepArrays::empty);
+    surface.later = steps.collect();
+    surface.indices = indices;
+    surface.cells = Some(Cells::Patches(patches));
+    Ok(())
+}
+
+fn make(
+    surface: &Surface,
+    uncut: &Uncut,
+    displace: Option<Displace>,
+    threads: Threads,
+) -> Result<CutSurface, Problem> {
     let (geom_id, control) = (surface.geom_id, &uncut.control);
     let cage = &control.cage;
     let mut face_of = Vec::with_capacity(cage.faces().corners().len());
@@ -48,21 +71,15 @@ pub(crate) fn cut(
     };
     let cut = Tessellation::new(cage, level, MOST_CELLS)
         .map_err(|error| Problem::operation(format!("geometry {geom_id}: {error}")))?;
-    let mut steps = Vec::new();
-    for (time_step, step) in surface.steps().enumerate() {
+    let of_step = |(time_step, step): (usize, &StepArrays)| {
         let displace = displace.map(|displace| (displace, time_step as u32));
-        steps.push(positions(control, &cut, &step.vertices, displace, threads)?);
-    }
-    surface.indices = stored(&cut.cells(cage)).ok_or_else(no_memory)?;
-    let arrays = |rows: Vec<[f32; 3]>| -> Result<StepArrays, Problem> {
-        Ok(StepArrays { vertices: stored(&rows).ok_or_else(no_memory)?, ..StepArrays::empty() })
+        let positions = positions(control, &cut, &step.vertices, displace, threads)?;
+        stored(&positions).ok_or_else(no_memory)
     };
-    let mut steps = steps.into_iter().map(arrays);
-    surface.first = steps.next().unwrap_or_else(|| Ok(StepArrays::empty()))?;
-    surface.later = steps.collect::<Result<_, _>>()?;
-    let control = Arc::clone(control);
-    surface.cells = Some(Cells::Patches(Box::new(Patches { control, cut })));
-    Ok(())
+    let vertices = surface.steps().enumerate().map(of_step).collect::<Result<_, _>>()?;
+    let indices = stored(&cut.cells(cage)).ok_or_else(no_memory)?;
+    let patches = Arc::new(Patches { control: Arc::clone(control), cut });
+    Ok(CutSurface { patches, indices, vertices })
 }
 
 /// The vertices of all cells at a time step.

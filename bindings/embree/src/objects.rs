@@ -13,7 +13,7 @@ use gnurt_accel::{
     UserGeometry,
 };
 
-use crate::cells::{self, Cells, Grid};
+use crate::cells::{self, Cells, Grid, Patches};
 use crate::control::{Control, Input};
 use crate::device::{Device, Problem};
 use crate::ffi_abi::{
@@ -223,6 +223,17 @@ pub(crate) struct Geometry {
     pub(crate) kind: Kind,
     pub(crate) user_data: AtomicPtr<c_void>,
     settings: RwLock<Settings>,
+    /// A subdivision surface as it was cut last, and the number of its last edit then.
+    cut: Mutex<Option<(u64, CutSurface)>>,
+}
+
+/// A subdivision surface as quads; copies share its memory.
+#[derive(Clone, Debug)]
+pub(crate) struct CutSurface {
+    pub(crate) patches: Arc<Patches>,
+    pub(crate) indices: View,
+    /// By time step.
+    pub(crate) vertices: Vec<View>,
 }
 
 impl Geometry {
@@ -251,7 +262,7 @@ impl Geometry {
             attributes: 0,
         };
         let user_data = AtomicPtr::new(std::ptr::null_mut());
-        Self { device, kind, user_data, settings: RwLock::new(settings) }
+        Self { device, kind, user_data, settings: RwLock::new(settings), cut: Mutex::default() }
     }
 
     pub(crate) fn settings(&self) -> RwLockReadGuard<'_, Settings> {
@@ -264,6 +275,17 @@ impl Geometry {
 
     pub(crate) fn user_data(&self) -> *mut c_void {
         self.user_data.load(Ordering::Relaxed)
+    }
+
+    /// The surface as it was cut after this edit.
+    pub(crate) fn cut_at(&self, edit: u64) -> Option<CutSurface> {
+        let cut = self.cut.lock().unwrap_or_else(PoisonError::into_inner);
+        cut.as_ref().filter(|(then, _)| *then == edit).map(|(_, surface)| surface.clone())
+    }
+
+    /// Keeps a cut surface for commits without edits of it.
+    pub(crate) fn keep_cut(&self, edit: u64, surface: CutSurface) {
+        *self.cut.lock().unwrap_or_else(PoisonError::into_inner) = Some((edit, surface));
     }
 }
 
@@ -563,6 +585,8 @@ impl StepArrays {
 /// A subdivision surface before it is cut.
 #[derive(Debug)]
 pub(crate) struct Uncut {
+    /// The number of the geometry's last edit.
+    pub(crate) edit: u64,
     pub(crate) control: Arc<Control>,
     /// By half edge, or empty.
     pub(crate) levels: View,

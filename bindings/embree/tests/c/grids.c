@@ -155,7 +155,8 @@ static void points(void)
     struct RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     rtcPointQuery(scene, &query, &context, look, NULL);
-    CHECK(near_grids == 8 && near_calls == 1, "grid 3 alone is near, once: %u, %u", near_grids, near_calls);
+    /* Embree shows parts of grids. */
+    CHECK(near_grids == 8 && (near_calls == 1 || !is_ours), "grid 3 alone is near, once: %u, %u", near_grids, near_calls);
     rtcReleaseGeometry(grid);
     rtcReleaseScene(scene);
 }

@@ -374,6 +374,16 @@ static void moved(void)
     rtcCommitScene(scene);
     CHECK(bad_calls == 0 && calls >= 12, "%d calls are wrong, %d right", bad_calls, calls);
     CHECK(near(10 - down(scene, 0.001f, 0.002f, 0.5f).ray.tfar, top + 1.75, 2e-3), "moved by the program");
+    /* Another commit, without it, and one with it as it is. */
+    int before = calls;
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_COMPACT);
+    rtcCommitScene(scene);
+    CHECK(!is_ours || calls == before, "a surface that was not edited is cut once");
+    CHECK(near(10 - down(scene, 0.001f, 0.002f, 0.5f).ray.tfar, top + 1.75, 2e-3), "and is still there");
+    rtcSetGeometryDisplacementFunction(geometry, NULL);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    CHECK(near(10 - down(scene, 0.001f, 0.002f, 0.5f).ray.tfar, top + 1.5, 2e-3), "not moved by the program");
     rtcReleaseScene(scene);
     rtcReleaseGeometry(geometry);
 }
