@@ -157,7 +157,7 @@ fn derivatives_are_those_of_differences() {
                 let around = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, -1], [1, -1], [-1, 1]];
                 let points = around.map(|[i, j]| [u + f64::from(i) * h, v + f64::from(j) * h]);
                 let jets = jets(&cage, &mesh, place, &points, true);
-                for k in 0..3 {
+                for k in [0, 1, 2] {
                     let p = |i: usize| jets[i][0][k];
                     let found = [
                         (p(1) - p(2)) / (2.0 * h),
