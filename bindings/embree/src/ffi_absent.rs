@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Embree's calls without an implementation here: its builder of BVHs, and SYCL. They
+//! Embree's calls without an implementation here: those of SYCL. They
 //! exist, so that programs can be linked and loaded; each reports an error and does nothing else.
 //! Source: the names of Embree 4.4's headers. Tests: `tests/c/embree.c`.
 
@@ -8,21 +8,6 @@ use std::ffi::{c_char, c_int, c_void};
 use crate::device::Device;
 use crate::ffi_device::absent;
 use crate::ffi_handle::{Handle, shared};
-
-macro_rules! of_nothing {
-    ($($name:ident)*) => { $(
-        /// Not here.
-        #[unsafe(no_mangle)]
-        pub(crate) extern "C-unwind" fn $name() -> usize {
-            absent(stringify!($name), None);
-            0
-        }
-    )* };
-}
-
-of_nothing! {
-    rtcBuildBVH rtcReleaseBVH rtcRetainBVH rtcThreadLocalAlloc
-}
 
 /// There is no SYCL here: false.
 ///
@@ -63,15 +48,4 @@ pub(crate) extern "C-unwind" fn rtcNewSYCLDeviceInternal(
 pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceSYCLDevice(device: Handle, _sycl: *const c_void) {
     // SAFETY: passed on.
     absent("rtcSetDeviceSYCLDevice", unsafe { shared::<Device>(device) }.as_deref());
-}
-
-/// Not here.
-///
-/// # Safety
-/// A device.
-#[unsafe(no_mangle)]
-pub(crate) unsafe extern "C-unwind" fn rtcNewBVH(device: Handle) -> Handle {
-    // SAFETY: passed on.
-    absent("rtcNewBVH", unsafe { shared::<Device>(device) }.as_deref());
-    std::ptr::null_mut()
 }

@@ -11,6 +11,7 @@
 #![deny(unsafe_code)]
 #![allow(non_snake_case, reason = "C calls have C names")]
 
+mod builder;
 mod cells;
 mod commit;
 mod control;
@@ -21,6 +22,8 @@ mod ffi_abi;
 mod ffi_absent;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_arrays;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_build;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_callbacks;
 #[expect(unsafe_code, reason = "a frame that catches, and what it catches")]

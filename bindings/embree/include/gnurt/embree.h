@@ -505,6 +505,59 @@ bool rtcPointQuery(RTCScene, struct RTCPointQuery *, struct RTCPointQueryContext
 void rtcTraversableIntersect1(RTCTraversable, struct RTCRayHit *, struct RTCIntersectArguments * GNURT_OPTIONAL);
 void rtcTraversableOccluded1(RTCTraversable, struct RTCRay *, struct RTCOccludedArguments * GNURT_OPTIONAL);
 
+/* Hierarchies of the program's own: one thread calls its functions; no primitive is split */
+typedef struct RTCBVHTy *RTCBVH;
+typedef struct RTCThreadLocalAllocatorTy *RTCThreadLocalAllocator;
+
+struct GNURT_ALIGN(32) RTCBuildPrimitive {
+    float lower_x, lower_y, lower_z;
+    unsigned int geomID;
+    float upper_x, upper_y, upper_z;
+    unsigned int primID;
+};
+
+typedef void *(*RTCCreateNodeFunction)(RTCThreadLocalAllocator, unsigned int children, void *user);
+typedef void (*RTCSetNodeChildrenFunction)(void *node, void **children, unsigned int count, void *user);
+typedef void (*RTCSetNodeBoundsFunction)(void *node, const struct RTCBounds **, unsigned int count, void *user);
+typedef void *(*RTCCreateLeafFunction)(RTCThreadLocalAllocator, const struct RTCBuildPrimitive *, size_t count, void *user);
+typedef void (*RTCSplitPrimitiveFunction)(const struct RTCBuildPrimitive *, unsigned int dimension, float position,
+                                          struct RTCBounds *left, struct RTCBounds *right, void *user);
+
+enum RTCBuildFlags { RTC_BUILD_FLAG_NONE = 0, RTC_BUILD_FLAG_DYNAMIC = 1 };
+enum RTCBuildConstants { RTC_BUILD_MAX_PRIMITIVES_PER_LEAF = 32 };
+
+struct RTCBuildArguments {
+    size_t byteSize;
+    enum RTCBuildQuality buildQuality; /* takes no effect, as the flags */
+    enum RTCBuildFlags buildFlags;
+    unsigned int maxBranchingFactor, maxDepth, sahBlockSize, minLeafSize, maxLeafSize;
+    float traversalCost, intersectionCost;
+    RTCBVH bvh;
+    struct RTCBuildPrimitive *primitives; /* in another order afterwards */
+    size_t primitiveCount, primitiveArrayCapacity;
+    RTCCreateNodeFunction createNode;
+    RTCSetNodeChildrenFunction setNodeChildren;
+    RTCSetNodeBoundsFunction setNodeBounds;
+    RTCCreateLeafFunction createLeaf;
+    RTCSplitPrimitiveFunction splitPrimitive; /* is not called */
+    RTCProgressMonitorFunction buildProgress;
+    void *userPtr;
+};
+
+static inline struct RTCBuildArguments rtcDefaultBuildArguments(void)
+{
+    struct RTCBuildArguments arguments = { sizeof(struct RTCBuildArguments), RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_FLAG_NONE, 2, 32, 1,
+                                           1, RTC_BUILD_MAX_PRIMITIVES_PER_LEAF, 1, 1, NULL, NULL, 0, 0, NULL, NULL, NULL, NULL,
+                                           NULL, NULL, NULL };
+    return arguments;
+}
+
+RTCBVH rtcNewBVH(RTCDevice);
+void *rtcBuildBVH(const struct RTCBuildArguments *);
+void *rtcThreadLocalAlloc(RTCThreadLocalAllocator, size_t bytes, size_t align);
+void rtcRetainBVH(RTCBVH);
+void rtcReleaseBVH(RTCBVH);
+
 #ifdef __cplusplus
 }
 #endif
