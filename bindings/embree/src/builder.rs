@@ -44,7 +44,7 @@ impl From<Thrown> for Stop {
     }
 }
 
-/// What the program makes.
+/// The program's functions.
 pub(crate) trait Program {
     /// A node or a leaf.
     type Node: Copy;
@@ -259,7 +259,7 @@ impl<P: Program> Building<'_, P> {
         if depth >= self.limits.depth {
             return Err(Stop::TooDeep);
         }
-        // The largest is parted again, until there are enough; what is better a leaf stays one.
+        // The largest is parted again, until there are enough; parts that are better leaves stay whole.
         let mut leaves = Vec::new();
         while parts.len() + leaves.len() < self.limits.branching {
             let areas = parts.iter().map(|part| part.around.half_area()).enumerate();

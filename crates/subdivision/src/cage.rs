@@ -4,6 +4,8 @@
 //! around it is one. Source: \[CC78\], the idea of \[Sta98\] without its eigenvectors. Cost: at a point of an irregular face
 //! one step on a dozen faces per halving of the distance to its irregular corner. Tests: `tests/cage.rs`.
 
+use std::sync::OnceLock;
+
 use super::patch::{self, JET, Spline};
 use super::ring::Ring;
 use super::sharpness::Sharpness;
@@ -31,6 +33,8 @@ pub struct Cage {
     topology: Topology,
     sharpness: Sharpness,
     is_hidden: Vec<bool>,
+    /// By face, once it was asked for: most are splines, whose control points take longer to find than to use.
+    splines: Vec<OnceLock<Option<Box<Spline>>>>,
 }
 
 /// Vertices where faces end: those of edges with one face or more than two.
@@ -51,7 +55,8 @@ impl Cage {
             Boundary::None => surface.faces.iter().map(touches).collect(),
             _ => vec![false; surface.faces.len()],
         };
-        Self { surface, topology, sharpness, is_hidden }
+        let splines = (0..surface.faces.len()).map(|_| OnceLock::new()).collect();
+        Self { surface, topology, sharpness, is_hidden, splines }
     }
 
     /// The faces.
@@ -114,10 +119,7 @@ impl Cage {
             }
             return;
         }
-        if let &[a, b, c, d] = corners
-            && let Some(spline) =
-                Spline::of(self.faces(), &self.topology, &self.sharpness, place.face, [a, b, c, d])
-        {
+        if let Some(spline) = self.spline(face) {
             return search.spline(&spline.points(width, &mut *fill), width, all, 1.0);
         }
         let ring = Ring::new(self.faces(), &self.topology, &self.sharpness, face, width, fill);
@@ -127,6 +129,16 @@ impl Cage {
         let (topology, sharpness) = ring.topology();
         let part = ring.refined(&topology, &sharpness).part(place.part as usize, 0);
         search.run(&part, all, 0);
+    }
+}
+
+impl Cage {
+    fn spline(&self, face: usize) -> Option<&Spline> {
+        let find = || {
+            let &[a, b, c, d] = &self.faces().corners()[self.faces().range(face)] else { return None };
+            Spline::of(self.faces(), &self.topology, &self.sharpness, face as u32, [a, b, c, d]).map(Box::new)
+        };
+        self.splines[face].get_or_init(find).as_deref()
     }
 }
 

@@ -21,10 +21,13 @@ enum Side {
 /// Places of control points: column by u, row by v.
 const CORNERS: [[usize; 2]; 4] = [[1, 1], [2, 1], [2, 2], [1, 2]];
 
+const NO_VERTEX: u32 = u32::MAX;
+
 /// A quadrangle whose limit is a B-spline.
+#[derive(Debug)]
 pub(super) struct Spline {
-    /// By column and row; those behind sharp sides are mirrored, and have no vertex.
-    vertices: [Option<u32>; 16],
+    /// By column and row; those behind sharp sides are mirrored, and have no vertex ([`NO_VERTEX`]).
+    vertices: [u32; 16],
     /// Which sides are sharp: below, right, above, left.
     is_sharp: [bool; 4],
 }
@@ -50,8 +53,8 @@ impl Spline {
         for (at, side) in sides.iter_mut().enumerate() {
             *side = mesh.side(at)?;
         }
-        let mut vertices = [None; 16];
-        let mut put = |[column, row]: [usize; 2], vertex: u32| vertices[4 * row + column] = Some(vertex);
+        let mut vertices = [NO_VERTEX; 16];
+        let mut put = |[column, row]: [usize; 2], vertex: u32| vertices[4 * row + column] = vertex;
         for (at, own) in CORNERS.into_iter().enumerate() {
             let before = (at + 3) % 4;
             let diagonal = mesh.corner([sides[before], sides[at]], at)?;
@@ -71,7 +74,7 @@ impl Spline {
     pub(super) fn points(&self, width: usize, mut fill: impl FnMut(u32, &mut [f64])) -> Vec<f64> {
         let mut points = vec![0.0; 16 * width];
         for (vertex, values) in self.vertices.iter().zip(points.chunks_exact_mut(width.max(1))) {
-            if let Some(vertex) = vertex {
+            if *vertex != NO_VERTEX {
                 fill(*vertex, values);
             }
         }
@@ -200,15 +203,27 @@ fn basis(t: f64) -> [[f64; 4]; 3] {
 /// Writes the jet of a bicubic patch, or as many parts of it as there is room; `scale` is by how much its parameters are finer
 /// than those of the whole.
 pub(super) fn spline(points: &[f64], width: usize, [u, v]: [f64; 2], scale: f64, jet: &mut [f64]) {
+    // Orders by u and v of values, derivatives by u, v, uu, vv, uv.
+    const ORDERS: [[usize; 2]; JET] = [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2], [1, 1]];
     let (by_u, by_v) = (basis(u), basis(v));
-    jet.fill(0.0);
-    for (row, points) in points.chunks_exact(4 * width).enumerate() {
-        for (column, point) in points.chunks_exact(width).enumerate() {
-            let weights = [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2], [1, 1]]
-                .map(|[a, b]: [usize; 2]| by_u[a][column] * by_v[b][row]);
-            for (out, weight) in jet.chunks_exact_mut(width).zip(weights) {
-                out.iter_mut().zip(point).for_each(|(out, x)| *out += weight * x);
+    let parts = if jet.len() > width { JET } else { 1 };
+    for k in 0..width {
+        // By order and column: along v. Written out, for arrays' `map` is not always inlined.
+        let mut along = [[0.0; 4]; 3];
+        for row in 0..4 {
+            for column in 0..4 {
+                let x = points[(4 * row + column) * width + k];
+                along[0][column] += by_v[0][row] * x;
+                along[1][column] += by_v[1][row] * x;
+                along[2][column] += by_v[2][row] * x;
             }
+        }
+        for (part, [a, b]) in ORDERS.iter().enumerate().take(parts) {
+            let (weights, values) = (&by_u[*a], &along[*b]);
+            jet[part * width + k] = weights[0] * values[0]
+                + weights[1] * values[1]
+                + weights[2] * values[2]
+                + weights[3] * values[3];
         }
     }
     if jet.len() > width {
