@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A hierarchy over the program's boxes, whose nodes the program makes. Source: \[Wal07\], binned surface area heuristic.
+//! A hierarchy over the program's boxes, whose nodes the program makes. Source: \[Wald07\], binned surface area heuristic.
 //! Invariant: each primitive is in one leaf, and no leaf is larger or deeper than the limits. One thread.
 //! Tests: `tests/c/build.c`.
 
