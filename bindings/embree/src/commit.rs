@@ -16,6 +16,7 @@ use gnurt_accel::{
 };
 
 use crate::cells::{Cells, cells_before, quads_of_grids};
+use crate::cones::Cones;
 use crate::cut::{Displace, cut};
 use crate::device::Problem;
 use crate::ffi_abi::{Code, buffer, quality, scene_flag};
@@ -47,6 +48,7 @@ enum Arrays<'a> {
     Spheres(Vec<(Vec<[f32; 3]>, Vec<f32>)>),
     Discs(Vec<DiscArrays<'a>>),
     Curves(Vec<CurveArrays<'a>>),
+    Cones(Arc<Cones>),
     User(Arc<UserPrimitives>),
 }
 
@@ -148,6 +150,9 @@ impl Prepared<'_> {
                     gnurt_accel::Geometry::moving_curves(&keys)
                 }
             },
+            Arrays::Cones(cones) => {
+                gnurt_accel::Geometry::new(GeometryKind::User(Arc::<Cones>::clone(cones)))
+            }
             Arrays::User(user) => {
                 gnurt_accel::Geometry::new(GeometryKind::User(Arc::<UserPrimitives>::clone(user)))
             }
@@ -169,7 +174,8 @@ impl Prepared<'_> {
             Arrays::Spheres(keys) => keys[0].1.len(),
             Arrays::Discs(keys) => keys[0].radii.len(),
             Arrays::Curves(keys) => keys[0].indices.len(),
-            Arrays::User(user) => gnurt_accel::UserGeometry::count(&**user) as usize,
+            Arrays::Cones(cones) => cones.count() as usize,
+            Arrays::User(user) => user.count() as usize,
         }
     }
 }
@@ -312,6 +318,12 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
                 });
                 Arrays::Discs(discs.collect())
             }
+            (Kind::Cones, None) => {
+                let steps = surface.steps().map(|step| step.vertices.clone()).collect();
+                let (indices, flags) = (surface.indices.clone(), surface.joints.clone());
+                let cones = Cones::new(steps, surface.times, indices, flags, scene.device.culls_curves);
+                Arrays::Cones(Arc::new(cones))
+            }
             (Kind::Curves(basis, form), None) => {
                 let curves = surface.steps().map(|step| CurveArrays {
                     basis,
@@ -437,7 +449,9 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
     };
     let first = step(0)?;
     let indices = match kind {
-        Kind::Triangles | Kind::Quads | Kind::Curves(..) if !is_empty => array(buffer::INDEX, 0, "index")?,
+        Kind::Triangles | Kind::Quads | Kind::Curves(..) | Kind::Cones if !is_empty => {
+            array(buffer::INDEX, 0, "index")?
+        }
         Kind::Subdivision if !is_empty => {
             array(buffer::FACE, 0, "face")?;
             array(buffer::INDEX, 0, "index")?

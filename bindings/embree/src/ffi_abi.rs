@@ -287,6 +287,7 @@ pub(crate) mod kind {
     pub(crate) const QUAD: u32 = 1;
     pub(crate) const GRID: u32 = 2;
     pub(crate) const SUBDIVISION: u32 = 8;
+    pub(crate) const CONE_LINEAR_CURVE: u32 = 15;
     pub(crate) const ROUND_LINEAR_CURVE: u32 = 16;
     pub(crate) const FLAT_LINEAR_CURVE: u32 = 17;
     pub(crate) const ROUND_BEZIER_CURVE: u32 = 24;

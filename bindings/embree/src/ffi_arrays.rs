@@ -147,16 +147,16 @@ fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
         (Kind::Subdivision, buffer::LEVEL | buffer::EDGE_CREASE_WEIGHT | buffer::VERTEX_CREASE_WEIGHT) => {
             format == format::FLOAT
         }
-        (Kind::Spheres | Kind::Discs(_) | Kind::Curves(..), buffer::VERTEX)
+        (Kind::Spheres | Kind::Discs(_) | Kind::Curves(..) | Kind::Cones, buffer::VERTEX)
         | (Kind::Curves(CurveBasis::Hermite, _), buffer::TANGENT) => format == format::FLOAT4,
         (Kind::Discs(true) | Kind::Curves(_, CurveForm::Oriented), buffer::NORMAL)
         | (Kind::Curves(CurveBasis::Hermite, CurveForm::Oriented), buffer::NORMAL_DERIVATIVE) => {
             format == format::FLOAT3
         }
-        (Kind::Curves(..), buffer::FLAGS) => format == format::UCHAR,
+        (Kind::Curves(..) | Kind::Cones, buffer::FLAGS) => format == format::UCHAR,
         (Kind::User | Kind::Instance | Kind::Instances, buffer::VERTEX_ATTRIBUTE) => false,
         (_, buffer::VERTEX_ATTRIBUTE) => (format::FLOAT..=format::FLOAT16).contains(&format),
-        (Kind::Curves(..) | Kind::Instances, buffer::INDEX) => format == format::UINT,
+        (Kind::Curves(..) | Kind::Cones | Kind::Instances, buffer::INDEX) => format == format::UINT,
         (Kind::Instances, buffer::TRANSFORM) => transform::size(format).is_some(),
         _ => false,
     };

@@ -32,6 +32,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
             kind::SPHERE_POINT => Kind::Spheres,
             kind::DISC_POINT => Kind::Discs(false),
             kind::ORIENTED_DISC_POINT => Kind::Discs(true),
+            kind::CONE_LINEAR_CURVE => Kind::Cones,
             kind::ROUND_LINEAR_CURVE => Kind::Curves(CurveBasis::Linear, CurveForm::Round),
             kind::FLAT_LINEAR_CURVE => Kind::Curves(CurveBasis::Linear, CurveForm::Flat),
             kind::ROUND_BEZIER_CURVE => Kind::Curves(CurveBasis::Bezier, CurveForm::Round),
@@ -54,7 +55,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
             _ => {
                 return Err(Problem::argument(format!(
                     "geometry type {of} is not supported: triangles, quads, grids, subdivision surfaces, curves, points, user \
-                     geometry, instances and arrays of them are (0, 1, 2, 8, 16 to 60, 120, 121, 122; no cones)"
+                     geometry, instances and arrays of them are (0, 1, 2, 8, 15 to 60, 120, 121, 122)"
                 )));
             }
         };
@@ -75,7 +76,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTessellationRate(geometry: Handle, rate: f32) {
     let check = |geometry: &Arc<Geometry>| match geometry.kind {
-        Kind::Curves(..) => {
+        Kind::Curves(..) | Kind::Cones => {
             let mut settings = geometry.edit();
             // NaN is one.
             settings.pieces = rate.clamp(1.0, 16.0).max(1.0) as u8;

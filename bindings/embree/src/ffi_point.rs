@@ -112,7 +112,7 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
         // Embree does not show these: programs do not expect them.
         if matches!(
             located.surface.kind,
-            Kind::Spheres | Kind::Discs(_) | Kind::Curves(..) | Kind::Subdivision
+            Kind::Spheres | Kind::Discs(_) | Kind::Curves(..) | Kind::Cones | Kind::Subdivision
         ) {
             // SAFETY: passed on.
             return growth * f64::from(unsafe { (*visit.query).radius });

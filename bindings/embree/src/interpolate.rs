@@ -94,6 +94,7 @@ pub(crate) fn interpolate(
             Corners::of_quad(grid.quad(column, row), [u, v], size.map(|cells| cells as f32))
         }
         Kind::Curves(basis, _) => return of_curve(basis, settings, rows, query, each),
+        Kind::Cones => return of_curve(CurveBasis::Linear, settings, rows, query, each),
         Kind::Subdivision => return of_surface(settings, rows, query, each),
         kind => return Err(Problem::operation(format!("interpolation is unsupported for {kind:?}"))),
     };

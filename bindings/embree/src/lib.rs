@@ -14,6 +14,7 @@
 mod builder;
 mod cells;
 mod commit;
+mod cones;
 mod control;
 mod cut;
 mod device;

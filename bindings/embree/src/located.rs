@@ -6,6 +6,7 @@
 
 use gnurt_accel::{CurveBasis, CurveForm, Curves, Hit, Ray};
 
+use crate::cones::Cone;
 use crate::ffi_memory::View;
 use crate::ffi_present::present;
 use crate::objects::{Committed, Kind, Shown, ShownInstance, StepArrays, Surface, Tree};
@@ -158,6 +159,16 @@ impl Located<'_> {
                 [0, 1, 2].map(|k| (from[k] - to[k]) as f32)
             }
             Kind::Curves(basis, form) => self.normal_of_curve(*basis, *form, hit, ray).unwrap_or_default(),
+            Kind::Cones => {
+                let [first] = indices.get::<u32, 1>(prim_id).unwrap_or_default();
+                let end = |i: u32| {
+                    surface
+                        .row::<4>(|step| &step.vertices, first as usize + i as usize, ray.time)
+                        .unwrap_or_default()
+                };
+                let cone = Cone::new([end(0), end(1)]);
+                cone.normal(hit.u, self.point(hit, ray)).map(|x| x as f32)
+            }
             Kind::User | Kind::Instance | Kind::Instances => [0.0; 3],
         }
     }

@@ -35,6 +35,8 @@ pub(crate) enum Kind {
     /// Whether they have normals.
     Discs(bool),
     Curves(CurveBasis, CurveForm),
+    /// Straight ones that are cut at right angles.
+    Cones,
     User,
     Instance,
     Instances,

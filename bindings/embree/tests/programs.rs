@@ -74,6 +74,14 @@ fn grids() {
 }
 
 #[test]
+fn cones() {
+    let workshop = workshop();
+    let binary = workshop.build("cc", "c11", "embree/tests/c/cones.c");
+    workshop.run(&binary, &[]);
+    run_on_embree(&binary);
+}
+
+#[test]
 fn hierarchies_of_programs() {
     let workshop = workshop();
     let binary = workshop.build("cc", "c11", "embree/tests/c/build.c");
