@@ -3,10 +3,9 @@
 //! A document of MaterialX with several materials gives each material of the scene the one of its name.
 //! Tests: `tests/test_shaders.py`.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use gnurt::osl::{Access, Script, document_and_node, materials_of_document};
+use gnurt::osl::{Access, Script, shaders_by_material};
 use gnurt::scene::{MaterialId, Surface};
 use gnurt::shading::SurfaceShader;
 use pyo3::exceptions::PyValueError;
@@ -43,29 +42,20 @@ pub(crate) fn shaded(
     }
     let shader = arguments.get_item("shader")?;
     let text = shader.and_then(|shader| shader.str().ok()).map(|text| text.to_string()).unwrap_or_default();
-    let several = match document_and_node(&text) {
-        Some((file, None)) => py
-            .detach(|| materials_of_document(Path::new(file), &Access::default()))
-            .map_err(|why| PyValueError::new_err(format!("shader: {why}")))?,
-        _ => Vec::new(),
-    };
-    let mut named: Vec<&String> =
-        names.iter().filter(is_meant).filter(|name| several.contains(name)).collect();
-    named.sort();
-    named.dedup();
-    let numbers = |is_it: &dyn Fn(&&String) -> bool| {
-        let all = names.iter().enumerate().filter(|(_, name)| is_it(name));
-        all.map(|(number, _)| number).collect::<Vec<_>>()
-    };
-    if several.len() < 2 || named.is_empty() {
-        return Ok(vec![compiled(py, numbers(&is_meant), arguments, pictures)?]);
-    }
-    let of_name = |name: &String| {
+    let names = || names.iter().map(String::as_str);
+    let found = py
+        .detach(|| shaders_by_material(&text, material, names(), &Access::default()))
+        .map_err(|why| PyValueError::new_err(format!("shader: {why}")))?;
+    let is_one = found.len() == 1 && found[0].1 == text;
+    let of_name = |(name, shader): (String, String)| {
         let own = arguments.copy()?;
-        own.set_item("shader", format!("{text}:{name}"))?;
-        compiled(py, numbers(&|other| *other == name), &own, pictures)
+        if !is_one {
+            own.set_item("shader", shader)?;
+        }
+        let numbers = names().enumerate().filter(|(_, other)| name == "*" || name == *other);
+        compiled(py, numbers.map(|(number, _)| number).collect(), &own, pictures)
     };
-    named.into_iter().map(of_name).collect()
+    found.into_iter().map(of_name).collect()
 }
 
 fn compiled(

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use gnurt::image::WorkingSpace;
-use gnurt::osl::{Access, CameraScript, Kind, Script, document_and_node, materials_of_document};
+use gnurt::osl::{Access, CameraScript, Kind, Script, document_and_node, shaders_by_material};
 use gnurt::render::ShaderTable;
 use gnurt::scene::{CameraId, MaterialId, Scene, Surface};
 use gnurt_plugins::{SceneShader, is_script};
@@ -160,8 +160,7 @@ fn access(frame: &FrameArguments) -> Access {
     Access { includes, space: frame.space, ..Access::default() }
 }
 
-/// The choices, those of documents with several materials replaced: a material gets the one of its name, and `*` is all
-/// materials that the document has by name.
+/// The choices, those of documents with several materials replaced by one for each.
 fn each_of_document(
     scene: &Scene,
     choices: &[ShaderChoice],
@@ -169,25 +168,12 @@ fn each_of_document(
 ) -> Result<Vec<ShaderChoice>, Failure> {
     let mut all = Vec::new();
     for choice in choices {
-        let several = match document_and_node(&choice.class) {
-            Some((file, None)) => materials_of_document(Path::new(file), access)
-                .map_err(|why| Failure::data(format_args!("--shader {}={file}: {why}", choice.material)))?,
-            _ => Vec::new(),
-        };
-        let is_meant = |name: &&String| choice.material == "*" || choice.material == **name;
-        let named = scene.materials().iter().map(|material| &material.name).filter(is_meant);
-        let mut named: Vec<&String> = named.filter(|name| several.contains(name)).collect();
-        named.dedup();
-        if several.len() < 2 || named.is_empty() {
-            // A document that has none of the names says which it has.
-            all.push(choice.clone());
-            continue;
-        }
-        all.extend(named.into_iter().map(|name| ShaderChoice {
-            material: name.clone(),
-            class: format!("{}:{name}", choice.class),
-            ..choice.clone()
-        }));
+        let names = scene.materials().iter().map(|material| &*material.name);
+        let found = shaders_by_material(&choice.class, &choice.material, names, access).map_err(|why| {
+            Failure::data(format_args!("--shader {}={}: {why}", choice.material, choice.class))
+        })?;
+        let of_one = |(material, class)| ShaderChoice { material, class, ..choice.clone() };
+        all.extend(found.into_iter().map(of_one));
     }
     Ok(all)
 }

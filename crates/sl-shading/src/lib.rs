@@ -40,7 +40,7 @@ pub use access::Access;
 pub use camera::{CameraFrame, CameraScript};
 pub use codes::Codes;
 pub use library::is_carried;
-pub use mtlx::{materials as materials_of_document, split as document_and_node};
+pub use mtlx::{materials as materials_of_document, shaders_by_material, split as document_and_node};
 pub use parameter::{Parameter, ParameterValue};
 pub use script::{Kind, Script};
 pub use stored::StoredTextures;

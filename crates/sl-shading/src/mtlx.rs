@@ -100,6 +100,37 @@ mod reading {
 pub use reading::materials;
 pub(crate) use reading::written;
 
+/// The shaders of a scene's materials, of which those called `material` are meant, or all (`*`): pairs of the name of some
+/// materials and of their shader. A document with several materials gives each the one of its name, and the others keep
+/// theirs; anything else is one shader for `material`. Pairs are in the order of their first materials.
+///
+/// # Errors
+/// The document cannot be read.
+pub fn shaders_by_material<'a>(
+    shader: &str,
+    material: &str,
+    names: impl Iterator<Item = &'a str>,
+    access: &Access,
+) -> Result<Vec<(String, String)>, String> {
+    let several = match split(shader) {
+        Some((file, None)) => materials(Path::new(file), access)?,
+        _ => Vec::new(),
+    };
+    let mut found: Vec<(String, String)> = Vec::new();
+    if several.len() > 1 {
+        for name in names.filter(|name| material == "*" || material == *name) {
+            if several.iter().any(|other| other == name) && found.iter().all(|(other, _)| other != name) {
+                found.push((name.to_owned(), format!("{shader}:{name}")));
+            }
+        }
+    }
+    if found.is_empty() {
+        // A document that has none of the names says which it has.
+        found.push((material.to_owned(), shader.to_owned()));
+    }
+    Ok(found)
+}
+
 #[cfg(test)]
 mod tests {
     use super::split;

@@ -3,7 +3,7 @@
 
 use gnurt_shading::SurfaceShader;
 use gnurt_shading::bsdf::{ClosureBatch, Kind};
-use gnurt_sl_shading::{Access, Script, materials_of_document};
+use gnurt_sl_shading::{Access, Script, materials_of_document, shaders_by_material};
 
 use super::floor::floor;
 use super::kinds::emitted;
@@ -42,6 +42,25 @@ fn documents_are_surfaces() {
     assert_eq!(kinds(&script), [Kind::Microfacets, Kind::Diffuse]);
     let again = script.again().expect("it is read again");
     assert_eq!(kinds(&again), kinds(&script), "with its values");
+}
+
+#[test]
+fn materials_get_the_ones_of_their_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("d.mtlx");
+    std::fs::write(&file, DOCUMENT.replace("<xi:include href=\"library.mtlx\"/>", "")).expect("a file");
+    let document = file.display().to_string();
+    let found = |shader: &str, material| {
+        let names = ["floor", "N", "M", "N"].into_iter();
+        shaders_by_material(shader, material, names, &Access::default()).expect("a document")
+    };
+    let pair = |name: &str, shader: String| (name.to_owned(), shader);
+    let [m, n] = ["M", "N"].map(|name| format!("{document}:{name}"));
+    assert_eq!(found(&document, "*"), [pair("N", n.clone()), pair("M", m.clone())]);
+    assert_eq!(found(&document, "N"), [pair("N", n)], "one of them");
+    assert_eq!(found(&document, "floor"), [pair("floor", document.clone())], "none has the name");
+    assert_eq!(found(&m, "*"), [pair("*", m.clone())], "a node is named");
+    assert_eq!(found("a.osl", "*"), [pair("*", "a.osl".to_owned())], "no document");
 }
 
 #[test]
