@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use gnurt::denoise::{self, Method, Options};
 use gnurt::display_rules::TONE;
 use gnurt::image::{
-    self, ChannelData, ExrPixels, Opacity, PictureFormat, ToneCurve, WriteOptions, exposure_for,
+    self, ChannelData, ExrPixels, Opacity, PictureFormat, ToneCurve, WorkingSpace, WriteOptions, exposure_for,
 };
 use gnurt::mattes;
 use gnurt::ocio::{Request, View};
@@ -24,8 +24,9 @@ use crate::pool::{ThreadCount, with_all_threads};
 type Names = Vec<(String, Vec<String>)>;
 
 /// The parts of a pickled picture: an EXR file, the colours and whether they are associated, exposure, rendered part,
-/// names.
-type Kept<'py> = (Bound<'py, PyBytes>, Bound<'py, PyBytes>, bool, Option<f32>, Option<[u32; 4]>, Names);
+/// names, space.
+type Kept<'py> =
+    (Bound<'py, PyBytes>, Bound<'py, PyBytes>, bool, Option<f32>, Option<[u32; 4]>, Names, &'static str);
 
 /// Linear light with opacity, and its layers.
 #[pyclass(module = "gnurt", frozen)]
@@ -35,6 +36,8 @@ pub(crate) struct Picture {
     pub(crate) exposure: Option<f32>,
     /// The rendered part of the frame; `None` = all.
     pub(crate) crop: Option<[u32; 4]>,
+    /// The space in which its light was computed: that of the colours of its EXR.
+    pub(crate) space: WorkingSpace,
 }
 
 /// The Python error for a picture file.
@@ -75,7 +78,7 @@ impl Picture {
             return Err(PyValueError::new_err("exposure: expected a finite number of stops"));
         }
         let exposure = exposure.or(self.exposure).unwrap_or_else(|| exposure_for(&self.picture));
-        Ok(WriteOptions { tone, exposure, ..WriteOptions::default() })
+        Ok(WriteOptions { tone, exposure, exr_space: self.space, ..WriteOptions::default() })
     }
 }
 
@@ -98,7 +101,7 @@ impl Picture {
                 picture
             }
         };
-        Ok(Self { picture, exposure: None, crop: None })
+        Ok(Self { picture, exposure: None, crop: None, space: WorkingSpace::default() })
     }
 
     /// For pickle. A file has the colour without its background, so the colour is kept beside it.
@@ -117,10 +120,13 @@ impl Picture {
             (layer.name.clone(), layer.channels.iter().map(|channel| channel.name.clone()).collect())
         };
         let names = this.picture.layers.iter().map(names).collect();
-        Ok((restore, (bytes, color, is_associated, this.exposure, this.crop, names)))
+        Ok((restore, (bytes, color, is_associated, this.exposure, this.crop, names, this.space.name())))
     }
 
+    /// The space is new: older pickles have none.
     #[staticmethod]
+    #[expect(clippy::too_many_arguments, reason = "the parts of a picture")]
+    #[pyo3(signature = (exr, color, is_associated, exposure, crop, names, space="rec709"))]
     fn _restored(
         py: Python<'_>,
         exr: &[u8],
@@ -129,6 +135,7 @@ impl Picture {
         exposure: Option<f32>,
         crop: Option<[u32; 4]>,
         names: Names,
+        space: &str,
     ) -> PyResult<Self> {
         let mut picture =
             py.detach(|| image::decode(exr, "pickled picture")).map_err(|error| image_error(&error))?;
@@ -147,7 +154,8 @@ impl Picture {
         };
         let color = texels.iter().map(texel).collect();
         let opacity = if is_associated { Opacity::Associated } else { Opacity::Straight };
-        Ok(Self { picture: image::Picture { color, opacity, ..picture }, exposure, crop })
+        let space = space.parse().map_err(|why| PyValueError::new_err(format!("pickled picture: {why}")))?;
+        Ok(Self { picture: image::Picture { color, opacity, ..picture }, exposure, crop, space })
     }
 
     #[getter]
@@ -241,9 +249,10 @@ impl Picture {
     }
 
     /// Writes it: .png, .jpg, .webp, .exr, .hdr or .pfm. Curve and exposure are for the first three; without an exposure one is
-    /// chosen. `ocio` is a configuration of OpenColorIO, whose view replaces the curve: a file, or `ocio://default`.
+    /// chosen. `ocio` is a configuration of OpenColorIO, whose view replaces the curve: a file, or `ocio://default`. `primaries`
+    /// are those of an EXR's colours, rec709 or acescg; without them those of the working space.
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
-    #[pyo3(signature = (path, *, tone=None, exposure=None, exact=false, ocio=None, display=None, view=None, looks=None))]
+    #[pyo3(signature = (path, *, tone=None, exposure=None, exact=false, ocio=None, display=None, view=None, looks=None, primaries=None))]
     fn save(
         &self,
         py: Python<'_>,
@@ -255,9 +264,14 @@ impl Picture {
         display: Option<&str>,
         view: Option<&str>,
         looks: Option<&str>,
+        primaries: Option<&str>,
     ) -> PyResult<()> {
         let format = PictureFormat::from_path(&path).map_err(|error| image_error(&error))?;
         let mut options = self.display_rules(tone, exposure)?;
+        if let Some(name) = primaries {
+            options.exr_space =
+                name.parse().map_err(|why| PyValueError::new_err(format!("primaries: {why}")))?;
+        }
         if let Some(config) = ocio {
             if tone.is_some() {
                 return Err(PyValueError::new_err("tone: a view of `ocio` replaces it; give one of the two"));
@@ -318,7 +332,7 @@ impl Picture {
         let threads = ThreadCount::new(threads)?;
         let mut picture = self.picture.clone();
         py.detach(|| take_noise_out(&mut picture, method, self.crop, threads))?;
-        Ok(Self { picture, exposure: self.exposure, crop: self.crop })
+        Ok(Self { picture, exposure: self.exposure, crop: self.crop, space: self.space })
     }
 
     /// The light groups of the picture.
@@ -344,7 +358,7 @@ impl Picture {
         let gains = all;
         let mut picture = self.picture.clone();
         py.detach(|| relight::relight(&mut picture, &gains)).map_err(PyValueError::new_err)?;
-        Ok(Self { picture, exposure: self.exposure, crop: self.crop })
+        Ok(Self { picture, exposure: self.exposure, crop: self.crop, space: self.space })
     }
 
     /// float32 (height, width): how much of each pixel the thing of this name covers, by Cryptomatte. Kinds are object, material, asset.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use gnurt::denoise::Method;
-use gnurt::image;
+use gnurt::image::{self, WorkingSpace};
 use gnurt::layers::{self, LayerList};
 use gnurt::mattes;
 use gnurt::memory::check_memory;
@@ -95,13 +95,15 @@ impl BuildRequest {
         }
         check_memory(&options, denoise.is_some())
             .map_err(|error| PyMemoryError::new_err(error.to_string()))?;
+        let space = given.choice("working_space")?.unwrap_or_default();
         let view = View {
+            space,
             camera: aim(&mut given)?,
             at: moment(&mut given)?,
             shutter: given.number("shutter", 0.0, 1e9)?.unwrap_or(0.0),
             size: [width, height],
             camera_shader: camera_shader(&mut given)?,
-            pixel_shader: pixel_shader(&mut given)?,
+            pixel_shader: pixel_shader(&mut given, space)?,
             motion: motion_keys(&mut given)?,
             integrator: options.integrator,
             needs_names: !options.mattes.kinds.is_empty(),
@@ -220,6 +222,7 @@ impl BuildRequest {
         stats: &RenderStats,
         making: &Making,
     ) -> Picture {
+        picture.convert_from(self.view.space);
         let crop = self.crop();
         if self.denoise.is_some() && !self.layers {
             picture.make_opaque(crop);
@@ -240,7 +243,7 @@ impl BuildRequest {
         if self.layers {
             picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
         }
-        Picture { picture, exposure: making.exposure, crop }
+        Picture { picture, exposure: making.exposure, crop, space: self.view.space }
     }
 }
 
@@ -306,8 +309,9 @@ fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> 
 }
 
 /// The pixel shader.
-fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShader>)>> {
-    let Some(script) = script_named(given, "pixel_shader", "pixel_parameters", &Access::default())? else {
+fn pixel_shader(given: &mut Given, space: WorkingSpace) -> PyResult<Option<(Script, Arc<dyn PixelShader>)>> {
+    let access = Access { space, ..Access::default() };
+    let Some(script) = script_named(given, "pixel_shader", "pixel_parameters", &access)? else {
         return Ok(None);
     };
     let made = script.pixel();

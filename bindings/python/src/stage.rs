@@ -38,6 +38,8 @@ pub(crate) struct View {
     pub(crate) motion: Option<MotionKeys>,
     pub(crate) integrator: Integrator,
     pub(crate) force_diffuse: bool,
+    /// The space in which light is computed.
+    pub(crate) space: WorkingSpace,
     /// Whether names of the scene go into the picture.
     pub(crate) needs_names: bool,
     /// The box around the clip at all of its times, where that is known.
@@ -94,7 +96,11 @@ pub(crate) struct Stage {
     shown: Option<Shown>,
     /// The shaders of materials.
     shaders: ShaderTable,
+    /// Those of its surfaces and lights, in order.
     scripts: Vec<Script>,
+    light_scripts: Vec<Script>,
+    /// The space that the shaders are made for.
+    space: WorkingSpace,
     /// Those of the last view.
     of_view: Vec<Script>,
     /// Textures as shaders read them.
@@ -129,15 +135,38 @@ impl Stage {
     /// Its description, for another one, without the world.
     pub(crate) fn copy(&mut self) -> Self {
         let (shaders, scripts) = (self.shaders.clone(), self.scripts.clone());
-        Self { scene: self.scene.clone(), shaders, scripts, progress: self.progress(), ..Self::default() }
+        let (light_scripts, space) = (self.light_scripts.clone(), self.space);
+        let (scene, progress) = (self.scene.clone(), self.progress());
+        Self { scene, shaders, scripts, light_scripts, space, progress, ..Self::default() }
     }
 
     /// The number of a surface that a shader makes.
     pub(crate) fn add_script(&mut self, script: Script, surface: Arc<dyn SurfaceShader>) -> u32 {
         self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+        // The next picture makes all of them for its space.
+        self.reset_space();
         self.shaders.surfaces.push(surface);
         self.scripts.push(script);
         (self.shaders.surfaces.len() - 1) as u32
+    }
+
+    /// Shaders for light in Rec. 709, as new ones are.
+    fn reset_space(&mut self) {
+        // It succeeded for the space of now.
+        let _ = self.set_space(WorkingSpace::default());
+    }
+
+    /// Shaders for light in this space.
+    fn set_space(&mut self, space: WorkingSpace) -> Result<(), String> {
+        if self.space == space {
+            return Ok(());
+        }
+        let scripts: Vec<Script> = self.scripts.iter().map(|script| script.within(space)).collect();
+        let lights: Vec<Script> = self.light_scripts.iter().map(|script| script.within(space)).collect();
+        self.shaders.surfaces = scripts.iter().map(Script::surface).collect::<Result<_, _>>()?;
+        self.shaders.lights = lights.iter().map(Script::light).collect::<Result<_, _>>()?;
+        (self.scripts, self.light_scripts, self.space) = (scripts, lights, space);
+        Ok(())
     }
 
     /// The number of a new light with a shader, or replaces such a light.
@@ -149,17 +178,20 @@ impl Stage {
     ) -> PyResult<u32> {
         let count = self.shaders.lights.len();
         let number = number.unwrap_or(count);
+        self.reset_space();
+        self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
         match self.shaders.lights.get_mut(number) {
-            Some(old) => *old = light,
-            None if number == count => self.shaders.lights.push(light),
+            Some(old) => (*old, self.light_scripts[number]) = (light, script),
+            None if number == count => {
+                self.shaders.lights.push(light);
+                self.light_scripts.push(script);
+            }
             None => {
                 return Err(PyIndexError::new_err(format!(
                     "light: {number} is out of range; the scene has {count} light shaders"
                 )));
             }
         }
-        self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
-        self.scripts.push(script);
         // Lights that were added because there were none.
         self.edit(|_| ());
         Ok(number as u32)
@@ -188,7 +220,8 @@ impl Stage {
 
     /// Unreported messages of shaders.
     pub(crate) fn progress(&mut self) -> Vec<String> {
-        let faults = self.scripts.iter().chain(&self.of_view).flat_map(Script::faults);
+        let faults =
+            self.scripts.iter().chain(&self.light_scripts).chain(&self.of_view).flat_map(Script::faults);
         let progress = std::mem::take(&mut self.progress).into_iter().chain(faults);
         progress.filter(|line| self.reported.insert(line.clone())).collect()
     }
@@ -217,6 +250,8 @@ impl Stage {
 
     /// Makes it ready.
     pub(crate) fn shoot(&mut self, view: &View, pool: &ThreadPool) -> PyResult<Shot> {
+        let error = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
+        self.set_space(view.space).map_err(|why| error(&why))?;
         let clip = self.clip(view)?;
         let bounds = match view.bounds {
             Some(bounds) => Some(bounds),
@@ -251,8 +286,8 @@ impl Stage {
         }
         // A camera of the scene moves with it.
         let camera = number.map_or(camera, |number| shown.scene.cameras()[number].clone());
-        let options = CommitOptions { force_diffuse: view.force_diffuse, ..CommitOptions::default() };
-        let error = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
+        let (force_diffuse, space) = (view.force_diffuse, view.space);
+        let options = CommitOptions { force_diffuse, space, ..CommitOptions::default() };
         let pixel = view.pixel_shader.as_ref().map(|(_, pixel)| pixel.clone());
         let shaders = ShaderTable { pixel, ..self.shaders.clone() };
         let scene = &shown.scene;

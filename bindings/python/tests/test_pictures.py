@@ -336,3 +336,33 @@ def test_meshes_bend():
     ):
         with pytest.raises((ValueError, IndexError, TypeError), match=message):
             shown(motion, **properties)
+
+
+def test_the_working_space(tmp_path):
+    import pickle
+
+    albedo, light = np.array([0.8, 0.2, 0.1]), np.array([0.2, 1.0, 3.0])
+    matrix = np.array([[0.61309732, 0.33952285, 0.04737928], [0.07019422, 0.91635557, 0.01345259], [0.02061560, 0.10956983, 0.86981512]])
+    expected = {"rec709": albedo * light, "acescg": np.linalg.solve(matrix, (matrix @ albedo) * (matrix @ light))}
+    scenes = []
+    for shader in (None, "surface red() { Ci = color(0.8, 0.2, 0.1) * diffuse(N); }"):
+        scene = gnurt.Scene()
+        red = scene.add_material("red", shader=shader) if shader else scene.add_material("red", color=albedo, kind="matte")
+        scene.add_mesh([[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]], [[0, 1, 2], [0, 2, 3]], material=red)
+        scene.add_light("environment", radiance=light)
+        scenes.append(scene)
+    above = gnurt.Camera(eye=(0, 0, 2), target=(0, 0, 0), fov=5)
+    for scene in scenes:
+        # There and back.
+        for space in ("acescg", "rec709", "acescg"):
+            picture = scene.render(8, 8, spp=64, camera=above, working_space=space)
+            mean = np.asarray(picture)[..., :3].mean(axis=(0, 1))
+            assert np.allclose(mean, expected[space], atol=0.01, rtol=0.01), (space, mean)
+    for name, options, red in (("a.exr", {}, 0.713), ("b.exr", {"primaries": "rec709"}, 0.64)):
+        pickle.loads(pickle.dumps(picture)).save(tmp_path / name, exact=True, **options)
+        head = (tmp_path / name).read_bytes()
+        at = head.index(b"chromaticities\0chromaticities\0") + 34
+        assert np.frombuffer(head[at : at + 4], "<f4")[0] == np.float32(red), name
+        assert np.allclose(np.asarray(gnurt.Picture(tmp_path / name)), np.asarray(picture), atol=1e-4)
+    with pytest.raises(ValueError, match="working_space: .*valid.*rec709, acescg"):
+        scene.render(8, 8, working_space="aces")

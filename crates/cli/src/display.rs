@@ -5,6 +5,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use gnurt::image::WorkingSpace;
 use gnurt::render::{Accumulation, Progress};
 use gnurt_view::{TevImage, ViewError};
 
@@ -14,6 +15,8 @@ use crate::progress::Watcher;
 pub(crate) struct Displayed<'a> {
     watcher: &'a Watcher,
     display: Mutex<Display>,
+    /// That of the light.
+    space: WorkingSpace,
 }
 
 enum Display {
@@ -23,9 +26,9 @@ enum Display {
 }
 
 impl<'a> Displayed<'a> {
-    /// Shows the picture in tev, if there is one.
-    pub(crate) fn new(watcher: &'a Watcher, tev: Option<TevImage>) -> Self {
-        Self { watcher, display: Mutex::new(tev.map_or(Display::None, Display::Tev)) }
+    /// Shows the picture, whose light is computed in a space, in tev, if there is one.
+    pub(crate) fn new(watcher: &'a Watcher, tev: Option<TevImage>, space: WorkingSpace) -> Self {
+        Self { watcher, display: Mutex::new(tev.map_or(Display::None, Display::Tev)), space }
     }
 
     /// Why nothing more was shown, if that is so.
@@ -44,10 +47,12 @@ impl Progress for Displayed<'_> {
 
     fn passed(&self, picture: &Accumulation) {
         let mut display = self.display.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Display::Tev(tev) = &mut *display
-            && let Err(why) = tev.update(&picture.colors())
-        {
-            *display = Display::Lost(why);
+        if let Display::Tev(tev) = &mut *display {
+            let mut colors = picture.colors();
+            colors.convert_from(self.space);
+            if let Err(why) = tev.update(&colors) {
+                *display = Display::Lost(why);
+            }
         }
     }
 

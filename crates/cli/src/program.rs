@@ -88,14 +88,16 @@ fn parse_and_run() -> u8 {
 fn run_command(command: Command, environment: &Environment, messages: Messages) -> Outcome {
     match command {
         Command::Render(mut arguments) => {
-            arguments.frame.space = arguments.working_space;
-            arguments.light.file.within(arguments.working_space);
+            arguments.light.file.within(arguments.frame.working_space);
             commands::render::run(&arguments, environment, messages)
         }
         Command::Join(arguments) => commands::join::run(&arguments, environment, messages),
         Command::Denoise(arguments) => commands::denoise::run(&arguments, environment, messages),
         Command::Relight(arguments) => commands::relight::run(&arguments, messages),
-        Command::View(arguments) => commands::view::run(&arguments, environment, messages),
+        Command::View(mut arguments) => {
+            arguments.light.file.within(arguments.frame.working_space);
+            commands::view::run(&arguments, environment, messages)
+        }
         Command::Info(arguments) => commands::info::run(&arguments, environment, messages),
         Command::Diff(arguments) => commands::diff::run(&arguments, messages),
         Command::Convert(arguments) => commands::convert::run(&arguments, environment, messages),

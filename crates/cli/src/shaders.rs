@@ -43,7 +43,7 @@ impl Shaders {
             change.apply(scene).map_err(|why| Failure::usage(format_args!("--set: {why}")))?;
         }
         let mut shaders = Self::default();
-        shaders.put_named(scene, frame.space, messages);
+        shaders.put_named(scene, frame.working_space, messages);
         let access = access(frame);
         if let Some(choice) = &frame.pixel_shader {
             let script = script("--pixel-shader", choice, &access, messages)?;
@@ -157,7 +157,7 @@ impl Watched {
 /// Where shaders may take files from.
 fn access(frame: &FrameArguments) -> Access {
     let includes = frame.include.iter().map(|folder| folder.to_string_lossy().into_owned()).collect();
-    Access { includes, space: frame.space, ..Access::default() }
+    Access { includes, space: frame.working_space, ..Access::default() }
 }
 
 /// The choices, those of documents with several materials replaced by one for each.

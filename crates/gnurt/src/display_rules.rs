@@ -63,7 +63,9 @@ pub fn meter(
         vpls: options.vpls.min(256),
         ..options.clone()
     };
-    Ok(exposure_for(&render(world, camera, &small, pool, &Silent)?.picture))
+    let mut picture = render(world, camera, &small, pool, &Silent)?.picture;
+    picture.convert_from(world.space());
+    Ok(exposure_for(&picture))
 }
 
 #[cfg(test)]

@@ -4,16 +4,27 @@
 //! colours, whose channels count as independent. Space: linear light. Tests: `tests`.
 
 use crate::working_space::convert;
-use crate::{ChannelData, Layer, Picture};
+use crate::{ChannelData, Layer, Picture, WorkingSpace};
+
+/// Converts pixels of a rendering in this space to Rec. 709.
+pub fn convert_from(space: WorkingSpace, pixels: &mut [[f32; 4]]) {
+    if let Some(rows) = space.to_rec709() {
+        convert_all(pixels, &rows);
+    }
+}
+
+fn convert_all(pixels: &mut [[f32; 4]], rows: &[[f32; 3]; 3]) {
+    for pixel in pixels {
+        let [r, g, b, a] = *pixel;
+        let [r, g, b] = convert(rows, [r, g, b]);
+        *pixel = [r, g, b, a];
+    }
+}
 
 impl Picture {
     /// Converts its colours, and those of its layers, by the rows of a matrix.
     pub fn convert_colors(&mut self, rows: &[[f32; 3]; 3]) {
-        for pixel in &mut self.color {
-            let [r, g, b, a] = *pixel;
-            let [r, g, b] = convert(rows, [r, g, b]);
-            *pixel = [r, g, b, a];
-        }
+        convert_all(&mut self.color, rows);
         let mattes: Vec<String> = self.mattes().map(str::to_owned).collect();
         for layer in &mut self.layers {
             if mattes.iter().any(|name| layer.name.starts_with(&name[..])) {
@@ -23,6 +34,13 @@ impl Picture {
                 Some("variance") => layer.convert(&rows.map(|row| row.map(|x| x * x))),
                 _ => layer.convert(rows),
             }
+        }
+    }
+
+    /// Converts the colours of a rendering in this space to Rec. 709, in which pictures are.
+    pub fn convert_from(&mut self, space: WorkingSpace) {
+        if let Some(rows) = space.to_rec709() {
+            self.convert_colors(&rows);
         }
     }
 

@@ -26,6 +26,7 @@ mod volume;
 mod working_space;
 
 pub use budget::{Budget, Excess};
+pub use colors::convert_from;
 pub use compare::{Comparison, compare};
 pub use error::{Error, system_reason};
 pub use exposure::exposure_for;

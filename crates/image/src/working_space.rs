@@ -3,6 +3,7 @@
 //! Products of colours, as in light between two walls, depend on the space; sums do not.
 //! Space: linear light. Tests: `tests`, crates/render/tests/working_space.rs.
 
+use crate::Error;
 use crate::chromaticities::{ACES_CG, Chromaticities, REC709};
 
 /// The space of a computation.
@@ -47,6 +48,18 @@ impl WorkingSpace {
     #[must_use]
     pub fn to_rec709(self) -> Option<[[f32; 3]; 3]> {
         (self != Self::Rec709).then(|| self.chromaticities().to(&REC709)).flatten()
+    }
+}
+
+impl std::str::FromStr for WorkingSpace {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        Self::ALL.into_iter().find(|space| space.name() == name).ok_or_else(|| Error::UnknownName {
+            what: "space",
+            name: name.into(),
+            valid: Self::ALL.map(Self::name).join(", "),
+        })
     }
 }
 

@@ -29,9 +29,7 @@ fn seen(scene: &Scene, space: WorkingSpace) -> [f64; 3] {
     };
     let camera = camera([0.1, 0.1, 5.0], [0.1, 0.1, 0.0], 1.0);
     let mut frame = render(&world, &camera, &options, &pool, &Silent).expect("a picture");
-    if let Some(rows) = space.to_rec709() {
-        frame.picture.convert_colors(&rows);
-    }
+    frame.picture.convert_from(world.space());
     let sum = |k: usize| frame.picture.color.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / 64.0;
     [sum(0), sum(1), sum(2)]
 }

@@ -371,6 +371,13 @@ impl Script {
         Err(format!("unknown parameter '{name}'; {list}{meant}"))
     }
 
+    /// The same for light in another space.
+    #[must_use]
+    pub fn within(&self, space: WorkingSpace) -> Self {
+        let access = Access { space, ..self.access.clone() };
+        Self { access, ..self.clone() }
+    }
+
     /// As a surface.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use gnurt::ThreadPool;
 use gnurt::camera_rays;
 use gnurt::denoise;
+use gnurt::image::{WorkingSpace, convert_from};
 use gnurt::osl::CameraScript;
 use gnurt::render::{Accumulation, MotionCost, PictureHistory, Progress, RenderOptions, World};
 use gnurt::scene::Camera;
@@ -52,6 +53,8 @@ pub(crate) struct Eye {
     /// Share of the pixels for which previews take a fresh sample of light, where they reuse the others.
     pub(crate) fresh: f32,
     pub(crate) colors: Vec<[f32; 4]>,
+    /// The space of the light of the world last seen; `colors` are of Rec. 709.
+    space: WorkingSpace,
     /// The displayed colours of a picture at rest.
     temporal_filter: TemporalFilter,
 }
@@ -76,6 +79,7 @@ impl Eye {
             history: PictureHistory::default(),
             fresh: FRESH,
             colors: Vec::new(),
+            space: WorkingSpace::default(),
             temporal_filter: TemporalFilter::default(),
         }
     }
@@ -190,6 +194,7 @@ impl Eye {
         pool: &ThreadPool,
         progress: &dyn Progress,
     ) -> bool {
+        self.space = world.space();
         let Some(Making { accumulation, rays, preview, .. }) = &mut self.making else { return true };
         if *preview {
             return accumulation.pass_remembering(&mut self.history, self.fresh, world, rays, pool, progress);
@@ -258,15 +263,24 @@ impl Eye {
         self.colors.resize(width as usize * height as usize, [0.0; 4]);
         let parts = if let Some((samples, clean)) = making.clean.as_ref().filter(|_| clean) {
             self.colors.clone_from(clean);
+            convert_from(self.space, &mut self.colors);
             self.temporal_filter.follow(width as usize, &self.colors, *samples);
             Part::all_of(self.temporal_filter.shown(), [width, height])
         } else if shown.needs_layers() {
             shown.colors(&accumulation.picture(), *reach, &mut self.colors);
+            if *shown == Shown::Albedo {
+                convert_from(self.space, &mut self.colors);
+            }
             Part::all_of(&self.colors, [width, height])
-        } else if *preview {
+        } else if *preview && self.space.to_rec709().is_none() {
             accumulation.film_bands().into_iter().map(Part::Passing).collect()
+        } else if *preview {
+            accumulation.write_colors(&mut self.colors, pool);
+            convert_from(self.space, &mut self.colors);
+            Part::all_of(&self.colors, [width, height])
         } else {
             accumulation.write_colors(&mut self.colors, pool);
+            convert_from(self.space, &mut self.colors);
             self.temporal_filter.follow(width as usize, &self.colors, accumulation.samples());
             Part::all_of(self.temporal_filter.shown(), [width, height])
         };
@@ -279,6 +293,7 @@ impl Eye {
             && !shown.needs_layers()
         {
             accumulation.write_colors(&mut self.colors, pool);
+            convert_from(self.space, &mut self.colors);
         }
     }
 }

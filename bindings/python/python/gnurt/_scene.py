@@ -327,6 +327,7 @@ class Scene(_Scene):
         """A picture. Options are those of the program: spp, integrator, camera, at, animation, seed, max_depth, vpls, clamp, noise,
         crop, filter, time, denoise, layers, light_groups, crypto_depth, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
         layers=True adds the layers of surfaces; a list such as ["normal", "direct", "key=C.*<L.'key'>", "shader.mask", "cryptomatte"] chooses, as --layers does.
+        working_space="acescg" computes light in ACEScg; the picture's numbers are linear Rec. 709 all the same.
         light_groups=True adds a layer for each light group, which `Picture.relight` mixes.
         camera_shader=FILE or source text in the shading language, with camera_parameters={name: value}, makes the rays where the
         camera stands; pixel_shader and pixel_parameters compute pixels.

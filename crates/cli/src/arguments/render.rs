@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use gnurt::image::WorkingSpace;
 use gnurt::layers::LayerList;
 use gnurt::render::Piece;
 use gnurt_view::TevAddress;
@@ -37,9 +36,6 @@ pub(crate) struct RenderArguments {
     /// Layers of an EXR between commas: all, none, denoise, normal and others of surfaces, direct and others of light, cryptomatte, light:NAME, shader.NAME (a shader's output), NAME=EXPRESSION (a light path expression); a wrong word lists all [default: all of surfaces]
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true)]
     pub(crate) layers: Option<LayerList>,
-    /// Space in which light is computed: rec709 or acescg; textures, colours and lights are converted, and pictures back
-    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "SPACE", value_parser = value::working_space, allow_hyphen_values = true, default_value = "rec709", conflicts_with = "piece")]
-    pub(crate) working_space: WorkingSpace,
     /// Things per pixel in the layers of Cryptomatte, 2 to 32
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=32), allow_hyphen_values = true, default_value = "6")]
     pub(crate) crypto_depth: u32,

@@ -19,9 +19,17 @@ use super::value::{self, CameraChoice, ExposureChoice, Resolution, ShaderChoice}
 /// The pixels to render, and their sampling.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FrameArguments {
-    /// The space in which light is computed; `render` alone has an option for it.
-    #[arg(skip)]
-    pub(crate) space: WorkingSpace,
+    /// Space in which light is computed: rec709 or acescg; textures, colours and lights are converted, and pictures back
+    #[arg(
+        help_heading = "Picture",
+        hide_short_help = true,
+        long,
+        value_name = "SPACE",
+        value_parser = value::working_space,
+        allow_hyphen_values = true,
+        default_value = "rec709"
+    )]
+    pub(crate) working_space: WorkingSpace,
     /// Size of the picture in pixels
     #[arg(
         help_heading = "Picture",

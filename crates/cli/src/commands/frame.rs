@@ -161,7 +161,7 @@ pub(super) fn render_frame(
     let tev = arguments.display.as_ref().map(|address| TevImage::create(address, &name, size));
     let tev = tev.transpose().map_err(Failure::data)?;
     let watcher = Watcher::begin(messages.shows_progress());
-    let displayed = Displayed::new(&watcher, tev);
+    let displayed = Displayed::new(&watcher, tev, ready.world.space());
     let every = ready.checkpoint.as_ref().map(|checkpoint| checkpoint.every);
     let mut saved = Ok(());
     let rays: &dyn CameraShader = ready.motion.as_ref().map_or(&*ready.chosen.rays, |motion| &*motion.rays);
@@ -234,8 +234,9 @@ pub(super) fn appear(
     ready: &Ready,
     options: &RenderOptions,
 ) {
-    if let Some(rows) = arguments.frame.space.to_rec709() {
-        picture.convert_colors(&rows);
+    // Pieces keep the numbers of their space, for the filter.
+    if options.piece.is_none() {
+        picture.convert_from(ready.world.space());
     }
     // Pieces have all layers; the list is applied to their picture.
     let chooses = plan.targets.picture.has_layers() && options.piece.is_none();
@@ -398,7 +399,12 @@ fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
 
 /// How the scene is to be made ready for rays.
 pub(super) fn commit_options(frame: &FrameArguments, trees: &TreeArguments, level: Level) -> CommitOptions {
-    CommitOptions { force_diffuse: frame.force_diffuse, level, memory: trees.memory, space: frame.space }
+    CommitOptions {
+        force_diffuse: frame.force_diffuse,
+        level,
+        memory: trees.memory,
+        space: frame.working_space,
+    }
 }
 
 /// Computes the fingerprint of the scene's picture with this shutter, if it is needed; and opens the
@@ -413,7 +419,7 @@ pub(super) fn identify(
     if arguments.checkpoint.is_none() && arguments.piece.is_none() {
         return (0, None);
     }
-    let space = arguments.frame.space;
+    let space = arguments.frame.working_space;
     let shown = (&chosen.camera, shaders::print(&arguments.frame, &arguments.view), open, space);
     let print = fingerprint(scene, arguments.frame.force_diffuse, &shown, options);
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
@@ -570,7 +576,14 @@ pub(super) fn save(
     match options.piece {
         Some(piece) => {
             let layers = ready.list.as_ref().map(|layers| &layers.text[..]);
-            pieces::save(frame, piece, (ready.print, layers), light, options, &targets.picture)?;
+            pieces::save(
+                frame,
+                piece,
+                (ready.print, layers, ready.world.space()),
+                light,
+                options,
+                &targets.picture,
+            )?;
         }
         None => targets.picture.write_with(&frame.picture, light, messages)?,
     }

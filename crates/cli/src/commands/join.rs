@@ -56,6 +56,7 @@ pub(crate) fn run(arguments: &JoinArguments, environment: &Environment, messages
     let used = whole.take_noise_out(arguments, &output, environment, messages)?;
     let picture = whole.finished(&output, used);
     let mut light = arguments.light.suited(whole.header.exposure);
+    light.file.within(whole.header.space);
     if !whole.header.light_layers.is_empty() {
         light.file.exact();
     }
@@ -189,6 +190,7 @@ impl Whole {
     /// The picture with the metadata of its file.
     fn finished(&mut self, output: &Output, denoiser: Option<String>) -> Picture {
         let mut picture = std::mem::take(&mut self.picture);
+        picture.convert_from(self.header.space);
         let is_clean = denoiser.is_some();
         if let Some(name) = denoiser {
             picture.set_metadata("denoiser", name);

@@ -4,13 +4,13 @@
 //! fingerprint of scene, camera and options, the number of samples, the frame. `join` runs the steps that
 //! read neighbouring pixels or set the appearance. Tests: `tests/program/pieces.rs`.
 
-use gnurt::image::Picture;
+use gnurt::image::{Picture, WorkingSpace};
 use gnurt::layers::LayerList;
 use gnurt::render::{
     Frame, Integrator, LightLayer, Mattes, Piece, RenderOptions, pack_piece, rendered_rects,
 };
 
-use crate::arguments::{ExposureChoice, LightArguments, RenderArguments};
+use crate::arguments::{ExposureChoice, LightArguments, RenderArguments, value};
 use crate::failure::{Failure, Outcome};
 use crate::output::Output;
 
@@ -22,6 +22,7 @@ const SAMPLES: &str = "gnurtSamples";
 const EXPOSURE: &str = "gnurtExposure";
 const LAYERS: &str = "gnurtLayers";
 const LIGHT_LAYERS: &str = "gnurtLightLayers";
+const SPACE: &str = "gnurtSpace";
 const DEPTH: &str = "gnurtCryptoDepth";
 
 /// The header of a piece's file.
@@ -35,6 +36,8 @@ pub(super) struct Header {
     pub(super) crop: Option<[u32; 4]>,
     /// Requested samples per pixel.
     pub(super) spp: u32,
+    /// The space of its colours, whatever chromaticities its file states.
+    pub(super) space: WorkingSpace,
     pub(super) integrator: Integrator,
     /// Stops, where they do not depend on the picture.
     pub(super) exposure: Option<f32>,
@@ -74,11 +77,11 @@ pub(super) fn check(arguments: &RenderArguments) -> Outcome {
 }
 
 /// Writes a piece of the frame; `light` is the known curve and exposure, `print` the fingerprint of the
-/// picture, `layers` the requested list of layers.
+/// picture, `layers` the requested list of layers, `space` that of the light.
 pub(super) fn save(
     frame: &Frame,
     piece: Piece,
-    (print, layers): (u64, Option<&str>),
+    (print, layers, space): (u64, Option<&str>, WorkingSpace),
     light: LightArguments,
     options: &RenderOptions,
     output: &Output,
@@ -94,6 +97,9 @@ pub(super) fn save(
     packed.set_metadata(PICTURE, format!("{print:016x}"));
     packed.set_metadata(FRAME, format!("{}x{}", options.width, options.height));
     packed.set_metadata(SAMPLES, options.spp.to_string());
+    if space != WorkingSpace::default() {
+        packed.set_metadata(SPACE, space.name());
+    }
     if let Some([x0, y0, x1, y1]) = options.crop {
         packed.set_metadata(CROP, format!("{x0},{y0},{x1},{y1}"));
     }
@@ -124,7 +130,7 @@ impl Header {
             Some(text) => Some(Some(read(text)?)),
         };
         let crop = optional(CROP, &|text| numbers(text, ','))?;
-        let layers = text(LAYERS).map(crate::arguments::value::layers).transpose().ok()?;
+        let layers = text(LAYERS).map(value::layers).transpose().ok()?;
         let kinds = layers.as_ref().map_or_else(Vec::new, |layers| layers.mattes.clone());
         let depth = text(DEPTH).map_or(Some(Mattes::DEPTH), |depth| {
             depth.parse().ok().filter(|&depth| depth <= Mattes::DEEPEST)
@@ -137,11 +143,13 @@ impl Header {
         let exposure =
             text(EXPOSURE).map(|stops| stops.parse::<f32>().ok().filter(|stops| stops.is_finite()));
         Some(Self {
-            piece: crate::arguments::value::piece(text(PIECE)?).ok()?,
+            piece: value::piece(text(PIECE)?).ok()?,
             picture: text(PICTURE)?.to_owned(),
             frame: numbers(text(FRAME)?, 'x')?.try_into().ok()?,
             crop: crop.map(<[u32; 4]>::try_from).transpose().ok()?,
             spp: text(SAMPLES)?.parse().ok()?,
+            space: text(SPACE)
+                .map_or(Some(WorkingSpace::default()), |name| value::working_space(name).ok())?,
             integrator: text("integrator")?.parse().ok()?,
             layers,
             light_layers: light_layers.collect::<Option<_>>()?,

@@ -92,8 +92,30 @@ fn wrong_values_name_right_ones() {
         ("--working-space aces", "acescg"),
         ("--primaries p3", "valid are: rec709, acescg"),
         ("--tile-size 8", "from 16 to 16384"),
-        ("--working-space acescg --piece 1/2", "--piece"),
     ] {
         folder.gnurt(&format!("{RENDER} {option} -o p.exr")).fails(2, right);
+    }
+}
+
+#[test]
+fn pieces_and_views_have_the_same_colours() {
+    let folder = folder();
+    let line = format!("{RENDER} --working-space acescg");
+    for (file, denoise) in [("p.exr", "--denoise=none"), ("clean.exr", "--denoise=built-in")] {
+        folder.gnurt(&format!("{line} {denoise} -o {file}")).success();
+        for piece in ["1/2", "2/2"] {
+            folder.gnurt(&format!("{line} --piece {piece} -o {}.exr", &piece[..1])).success();
+        }
+        folder.gnurt(&format!("join -q 1.exr 2.exr {denoise} -o joined.exr")).success();
+        let [whole, joined] = [file, "joined.exr"].map(|file| read(&folder.at(file)).expect("a picture"));
+        assert_eq!(whole.color, joined.color, "{file}: joined as rendered");
+        assert_near(mean(&folder, "joined.exr"), expected(WorkingSpace::AcesCg), file);
+    }
+    folder.gnurt(&format!("{RENDER} --piece 1/2 -o 1.exr")).success();
+    folder.gnurt("join -q 1.exr 2.exr -o joined.exr").fails(3, "is of another picture");
+    let line = line.replacen("render", "view", 1);
+    for more in ["", "--frames 2 --orbit 0.01 --spp 1", "--rest 1"] {
+        folder.gnurt(&format!("{line} --headless {more} -o v.exr")).success();
+        assert_near(mean(&folder, "v.exr"), expected(WorkingSpace::AcesCg), &format!("view {more}"));
     }
 }

@@ -40,6 +40,7 @@ use std::ops::Range;
 use std::sync::{Arc, Weak};
 
 use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree, SharedList};
+use gnurt_image::WorkingSpace;
 use gnurt_scene::ObjectId;
 use gnurt_scene::edit::{Cursor, SceneIdentity};
 use gnurt_shading::lights::LightSet;
@@ -186,6 +187,12 @@ impl World {
     pub fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
         let bounds = self.tree.bounds();
         (!bounds.is_empty()).then_some((bounds.min, bounds.max))
+    }
+
+    /// The space of its light.
+    #[must_use]
+    pub fn space(&self) -> WorkingSpace {
+        self.follows.as_ref().map_or_else(WorkingSpace::default, |followed| followed.options.space)
     }
 
     /// Sizes.
