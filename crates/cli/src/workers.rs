@@ -24,11 +24,16 @@ pub(crate) fn use_threads(threads: Option<usize>) {
     THREADS.store(threads.unwrap_or(0), Ordering::Relaxed);
 }
 
+/// That number; 0 = one per core.
+pub(crate) fn threads() -> usize {
+    THREADS.load(Ordering::Relaxed)
+}
+
 /// Calls a function with workers: as many threads as [`machine`] found, once it uses them. The calling thread is enough for a
 /// picture that is done, if the system refuses more.
 pub(crate) fn with_workers<T>(f: impl FnOnce(Workers) -> T) -> T {
     let pool = OnceCell::new();
-    let threads = THREADS.load(Ordering::Relaxed);
+    let threads = threads();
     let begin = || if threads == 1 { None } else { gnurt::thread_pool(threads).ok() };
     f(&|count, job| gnurt::workers(pool.get_or_init(begin).as_ref())(count, job))
 }

@@ -3,7 +3,7 @@
 //! Source: UsdGeomMesh, UsdGeomSubset. Space: that of the prim. Tests: `tests/meshes.rs`, `tests/judge.py`.
 
 use gnurt_scene::io::Oddity;
-use gnurt_scene::io::reader::{Excess, clean};
+use gnurt_scene::io::reader::{Excess, clean_by};
 use gnurt_scene::labels::ControlMesh;
 use gnurt_scene::subdivision::{
     Boundary, Channel, Faces, LEVEL, MOST_TRIANGLES, Scheme, Surface, affordable_level, refine,
@@ -112,11 +112,15 @@ impl Builder<'_> {
         let mut attributes: Vec<Option<Attribute>> = looks.into_iter().chain(texcoords).collect();
         let mut contents = Contents::new();
         contents.add(&(prim.name(), &materials, bound.as_ref().and_then(Path::name)));
-        contents.add(&(&is_hole, is_left_handed, &linear));
+        contents.add(&(is_left_handed, &linear));
+        contents.add_flags(&is_hole);
         contents.add_floats(points.as_flattened());
         contents.add_faces(&faces);
         attributes.iter().for_each(|attribute| contents.add_attribute(attribute.as_ref()));
-        parts.iter().for_each(|part| contents.add(&(&part.takes, part.material.has_colors)));
+        for part in &parts {
+            contents.add(&part.material.has_colors);
+            contents.add_flags(&part.takes);
+        }
         contents.add_surface(surface.as_ref());
         // Equal now is not equal later: motion asks for the same objects at all moments.
         let contents =
@@ -227,7 +231,8 @@ impl Builder<'_> {
 
     /// Adds a mesh unless nothing of it is left to be seen.
     pub(crate) fn add_mesh(&mut self, mut mesh: Mesh) -> Option<MeshId> {
-        clean(&mut mesh, &self.reader.path, &mut self.reader.warnings());
+        let threads = self.reader.files.access.threads();
+        clean_by(&mut mesh, &self.reader.path, &mut self.reader.warnings(), threads);
         (mesh.primitive_count() > 0).then(|| self.scene.add_mesh(mesh))
     }
 

@@ -74,7 +74,11 @@ pub(crate) fn long_integers(value: &Value) -> Option<Vec<i64>> {
 pub(crate) fn floats(value: &Value) -> Option<(usize, Vec<f32>)> {
     macro_rules! flat {
         ($values:expr, $width:expr, $($field:ident)+, $convert:expr) => {
-            ($width, $values.iter().flat_map(|v| [$($convert(v.$field)),+]).collect())
+            ($width, {
+                let mut flat = Vec::with_capacity($width * $values.len());
+                $values.iter().for_each(|v| flat.extend_from_slice(&[$($convert(v.$field)),+]));
+                flat
+            })
         };
     }
     let same = |x: f32| x;
@@ -112,7 +116,7 @@ pub(crate) fn floats(value: &Value) -> Option<(usize, Vec<f32>)> {
 /// Groups of `N` numbers: an array of vectors, or one vector.
 pub(crate) fn vectors<const N: usize>(value: &Value) -> Option<Vec<[f32; N]>> {
     let (width, flat) = floats(value)?;
-    (width == N).then(|| flat.chunks_exact(N).map(|v| std::array::from_fn(|k| v[k])).collect())
+    (width == N).then(|| flat.as_chunks::<N>().0.to_vec())
 }
 
 /// One vector, in double precision.

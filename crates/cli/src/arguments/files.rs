@@ -12,6 +12,7 @@ use gnurt::scene::io::{UpAxis, VariantChoice};
 
 use super::value;
 use crate::failure::Failure;
+use crate::workers::threads;
 
 /// `--confine`, `--texture-memory`, `--variant`, `--subdivision`, `--up`, `--set` and `--strict`.
 #[derive(Args, Clone, Debug)]
@@ -95,6 +96,7 @@ impl FileArguments {
         let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;
         let (confine, variants, overrides) = (self.confine.clone(), self.variant.clone(), self.set.clone());
         let Self { subdivision, strict, up, .. } = *self;
-        Ok(LoadOptions { confine, tiles, variants, overrides, subdivision, strict, up, at: None })
+        let threads = threads();
+        Ok(LoadOptions { confine, tiles, variants, overrides, subdivision, strict, up, threads, at: None })
     }
 }

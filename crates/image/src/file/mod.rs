@@ -111,15 +111,21 @@ pub fn decode(bytes: &[u8], name: &str) -> Result<Picture, Error> {
 /// # Errors
 /// As [`decode`].
 pub fn decode_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
-    decode_texture_within(bytes, name, u64::MAX)
+    decode_texture_within(bytes, name, u64::MAX, ALONE)
 }
 
-/// As [`decode_texture`], but takes at most this many bytes of memory at once, the returned ones included.
+/// As [`decode_texture`], but takes at most this many bytes of memory at once, the returned ones included. The caller's workers
+/// decompress the blocks of an EXR; the texels are the same.
 ///
 /// # Errors
 /// As [`decode`].
-pub fn decode_texture_within(bytes: &[u8], name: &str, most_bytes: u64) -> Result<Texels, Error> {
-    decode_texels(bytes, name, Meaning::Color, most_bytes)
+pub fn decode_texture_within(
+    bytes: &[u8],
+    name: &str,
+    most_bytes: u64,
+    workers: Workers,
+) -> Result<Texels, Error> {
+    decode_texels(bytes, name, Meaning::Color, most_bytes, workers)
 }
 
 /// Reads a texture of measures (roughness, metalness) from bytes: integers are linear, not sRGB.
@@ -127,22 +133,32 @@ pub fn decode_texture_within(bytes: &[u8], name: &str, most_bytes: u64) -> Resul
 /// # Errors
 /// As [`decode`].
 pub fn decode_data_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
-    decode_data_texture_within(bytes, name, u64::MAX)
+    decode_data_texture_within(bytes, name, u64::MAX, ALONE)
 }
 
-/// As [`decode_data_texture`], but takes at most this many bytes of memory at once, the returned ones
-/// included.
+/// As [`decode_data_texture`], but within memory and by workers as [`decode_texture_within`].
 ///
 /// # Errors
 /// As [`decode`].
-pub fn decode_data_texture_within(bytes: &[u8], name: &str, most_bytes: u64) -> Result<Texels, Error> {
-    decode_texels(bytes, name, Meaning::Measure, most_bytes)
+pub fn decode_data_texture_within(
+    bytes: &[u8],
+    name: &str,
+    most_bytes: u64,
+    workers: Workers,
+) -> Result<Texels, Error> {
+    decode_texels(bytes, name, Meaning::Measure, most_bytes, workers)
 }
 
-fn decode_texels(bytes: &[u8], name: &str, meaning: Meaning, most_bytes: u64) -> Result<Texels, Error> {
+fn decode_texels(
+    bytes: &[u8],
+    name: &str,
+    meaning: Meaning,
+    most_bytes: u64,
+    workers: Workers,
+) -> Result<Texels, Error> {
     let length = bytes.len() as u64;
     let budget = &Budget::of_picture(length).at_most(most_bytes);
-    texels_from(&mut Cursor::new(bytes), length, name, meaning, budget, ALONE)
+    texels_from(&mut Cursor::new(bytes), length, name, meaning, budget, workers)
 }
 
 /// Reads a colour texture from a file; see [`decode_texture`].

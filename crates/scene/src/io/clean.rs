@@ -5,16 +5,25 @@
 //! Tests: `tests::{drops_and_counts, keeps_what_is_good}`.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::threads::for_each;
 use super::warnings::{Oddity, Warnings};
 use crate::mesh::Mesh;
 use crate::waste::has_area;
 
+/// Triangles that a thread looks at, at a time.
+const TRIANGLES: usize = 1 << 15;
+
 /// Cleans a mesh that came from `path`. Its indices must be in range and its optional arrays empty or full.
 pub fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
-    let dropped = drop_triangles(mesh, path, warnings);
-    let bad_position = |p: &[f32; 3]| !p.iter().all(|x| x.is_finite());
-    if dropped || mesh.positions.iter().any(bad_position) {
+    clean_by(mesh, path, warnings, 1);
+}
+
+/// The same on up to this many threads.
+pub fn clean_by(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings, threads: usize) {
+    let dropped = drop_triangles(mesh, path, warnings, threads);
+    if dropped || !are_finite(mesh.positions.as_flattened()) {
         mesh.drop_unused_vertices();
     }
     let replaced = clean_attributes(mesh);
@@ -33,15 +42,38 @@ fn in_mesh(mesh: &Mesh) -> String {
     if mesh.name.is_empty() { String::new() } else { format!("in {}", mesh.name) }
 }
 
+/// Whether all values are finite. Without a branch for each value.
+fn are_finite(values: &[f32]) -> bool {
+    const INFINITE: u32 = f32::INFINITY.to_bits();
+    let largest = |chunk: &[f32]| chunk.iter().map(|x| x.to_bits() & !(1 << 31)).fold(0, u32::max);
+    values.chunks(4096).all(|chunk| largest(chunk) < INFINITE)
+}
+
+/// Whether all triangles have an area.
+fn have_areas(mesh: &Mesh, threads: usize) -> bool {
+    let good = |triangle: &[u32; 3]| has_area(triangle.map(|i| mesh.positions[i as usize]));
+    if threads == 1 || mesh.indices.len() < 2 * TRIANGLES {
+        return mesh.indices.iter().all(good);
+    }
+    let are_good = AtomicBool::new(true);
+    for_each(threads, mesh.indices.len().div_ceil(TRIANGLES), &|i| {
+        let all = &mesh.indices[i * TRIANGLES..];
+        if are_good.load(Ordering::Relaxed) && !all[..all.len().min(TRIANGLES)].iter().all(good) {
+            are_good.store(false, Ordering::Relaxed);
+        }
+    });
+    are_good.into_inner()
+}
+
 /// Drops triangles that are not finite or have no area; returns whether there was any.
-fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool {
+fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings, threads: usize) -> bool {
     let before = mesh.indices.len();
     let (mut not_finite, mut zero_area) = (0, 0);
-    let positions = &mesh.positions;
     // Few meshes have bad triangles: looking is faster than moving.
-    if mesh.indices.iter().all(|triangle| has_area(triangle.map(|i| positions[i as usize]))) {
+    if have_areas(mesh, threads) {
         return false;
     }
+    let positions = &mesh.positions;
     mesh.indices.retain(|triangle| {
         let corners = triangle.map(|i| positions[i as usize]);
         let finite = corners.as_flattened().iter().all(|x| x.is_finite());
@@ -57,6 +89,9 @@ fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool
 
 /// Replaces values with a component that is not finite; returns their number.
 pub(crate) fn replace_bad<const N: usize>(values: &mut [[f32; N]], by: [f32; N]) -> u64 {
+    if are_finite(values.as_flattened()) {
+        return 0;
+    }
     let mut replaced = 0;
     for value in values.iter_mut().filter(|v| !v.iter().all(|x| x.is_finite())) {
         *value = by;

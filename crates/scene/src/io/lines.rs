@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use super::Error;
 
 /// Bytes that a logical line may have: more is no text but an attack or an accident.
-const LONGEST: usize = 16 << 20;
+pub(crate) const LONGEST: usize = 16 << 20;
 
 /// Reads logical lines of one file.
 pub(crate) struct LogicalLines<R> {
@@ -18,6 +18,8 @@ pub(crate) struct LogicalLines<R> {
     path: PathBuf,
     /// Physical lines read so far.
     line: u64,
+    /// Whether the first line may begin with a byte order mark.
+    has_mark: bool,
     /// Whether the last line ended with CR, so that LF right after it belongs to it.
     after_cr: bool,
     bytes: Vec<u8>,
@@ -28,7 +30,20 @@ impl<R: BufRead> LogicalLines<R> {
     /// Reads from `reader`; `path` is for messages.
     pub(crate) fn new(reader: R, path: &Path) -> Self {
         let path = path.to_owned();
-        Self { reader, path, line: 0, after_cr: false, bytes: Vec::new(), text: String::new() }
+        Self {
+            reader,
+            path,
+            line: 0,
+            has_mark: true,
+            after_cr: false,
+            bytes: Vec::new(),
+            text: String::new(),
+        }
+    }
+
+    /// Physical lines read so far.
+    pub(crate) fn count(&self) -> u64 {
+        self.line
     }
 
     /// The next line with contents, trimmed, without comments that fill it, and the number of its first
@@ -50,7 +65,7 @@ impl<R: BufRead> LogicalLines<R> {
                 }
                 more = self.physical()?;
             }
-            if first == 1 && self.bytes.starts_with(b"\xef\xbb\xbf") {
+            if std::mem::take(&mut self.has_mark) && self.bytes.starts_with(b"\xef\xbb\xbf") {
                 self.bytes.drain(..3);
             }
             // Without a branch for each byte.
@@ -79,7 +94,7 @@ impl<R: BufRead> LogicalLines<R> {
 
     /// Appends one physical line to `bytes`, without its end; `false` at the end of the file.
     fn physical(&mut self) -> Result<bool, Error> {
-        self.line += 1;
+        let mut is_begun = false;
         loop {
             let available = self.reader.fill_buf().map_err(|e| Error::system(&self.path, &e))?;
             if available.is_empty() {
@@ -89,6 +104,7 @@ impl<R: BufRead> LogicalLines<R> {
                 self.reader.consume(1);
                 continue;
             }
+            self.line += u64::from(!std::mem::replace(&mut is_begun, true));
             let end = line_end(available);
             self.bytes.extend_from_slice(&available[..end.unwrap_or(available.len())]);
             self.after_cr = end.is_some_and(|end| available[end] == b'\r');
@@ -102,6 +118,25 @@ impl<R: BufRead> LogicalLines<R> {
                 return Ok(true);
             }
         }
+    }
+}
+
+impl<'a> LogicalLines<&'a [u8]> {
+    /// Reads a block of whole lines; numbers count from its first one.
+    pub(crate) fn of_block(bytes: &'a [u8], path: &Path, is_first: bool) -> Self {
+        Self { has_mark: is_first, ..Self::new(bytes, path) }
+    }
+
+    /// The bytes that are not read yet.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.reader
+    }
+
+    /// Steps over a physical line of this many bytes, its end included.
+    pub(crate) fn skip_line(&mut self, length: usize) {
+        self.reader = &self.reader[length..];
+        self.line += 1;
+        (self.after_cr, self.has_mark) = (false, false);
     }
 }
 

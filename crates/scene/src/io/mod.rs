@@ -20,6 +20,7 @@ mod save;
 mod source;
 mod stl;
 mod textures;
+mod threads;
 mod threemf;
 mod warnings;
 pub mod writer;

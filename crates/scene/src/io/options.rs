@@ -24,6 +24,8 @@ pub struct LoadOptions {
     pub variants: Vec<VariantChoice>,
     /// How often subdivision surfaces are refined; `None` = [`subdivision::LEVEL`](crate::subdivision::LEVEL).
     pub subdivision: Option<u32>,
+    /// Threads that reading may use, the calling one included; 0 = one for each core. The scene does not depend on it.
+    pub threads: usize,
     /// Changes by names, made once the scene is there.
     pub overrides: Vec<Override>,
     /// Whether the first warning is an error.

@@ -27,6 +27,14 @@ impl Origin {
         [0, 1, 2].map(|k| (point[k] - origin[k]) as f32)
     }
 
+    /// The same for many points.
+    pub(crate) fn place_all(&mut self, points: &[[f64; 3]], into: &mut Vec<[f32; 3]>) {
+        let Some((first, rest)) = points.split_first() else { return };
+        into.push(self.place(*first));
+        let origin = self.0.unwrap_or_default();
+        into.extend(rest.iter().map(|point| [0, 1, 2].map(|k| (point[k] - origin[k]) as f32)));
+    }
+
     /// Where the mesh is.
     pub(crate) fn file_from_mesh(&self) -> Affine {
         Affine::translation(self.0.unwrap_or_default())

@@ -3,7 +3,7 @@
 //! A reader is a [`Format`](super::Format) whose `read` opens files by [`Access`], charges its budget before
 //! it takes memory, and notes oddities in [`Warnings`](super::Warnings). Tests: `tests/ply.rs`.
 
-pub use super::clean::clean;
+pub use super::clean::{clean, clean_by};
 pub use super::error::quoted;
 pub use super::ply::{read_mesh as read_ply_mesh, read_mesh_from as read_ply_mesh_from};
 pub use super::polygon::Cutter;

@@ -6,11 +6,17 @@
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+#[cfg(unix)]
+use std::sync::{
+    Mutex, PoisonError,
+    atomic::{AtomicBool, Ordering},
+};
 
 use gnurt_image::{Budget, Excess, NotRegular, TileCache};
 
 use super::error::Error;
 use super::options::{LoadOptions, VariantChoice};
+use super::threads;
 
 /// The files that a scene may name, and the budget for reading them.
 #[derive(Debug, Default)]
@@ -27,6 +33,8 @@ pub struct Access {
     pub variants: Vec<VariantChoice>,
     /// See [`LoadOptions::subdivision`].
     pub subdivision: Option<u32>,
+    /// See [`LoadOptions::threads`].
+    pub threads: usize,
 }
 
 impl Access {
@@ -39,6 +47,7 @@ impl Access {
             at: options.at,
             variants: options.variants.clone(),
             subdivision: options.subdivision,
+            threads: options.threads,
         };
         let Some(folder) = &options.confine else {
             return Ok(free);
@@ -60,7 +69,18 @@ impl Access {
             at: self.at,
             variants: self.variants.clone(),
             subdivision: self.subdivision,
+            threads: self.threads,
         }
+    }
+
+    /// The number of threads that reading may use.
+    pub fn threads(&self) -> usize {
+        threads::count(self.threads)
+    }
+
+    /// Calls a job once for each number below a count, in any order, on these threads.
+    pub fn work(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        threads::for_each(self.threads(), count, job);
     }
 
     /// Whether files must lie below a folder.
@@ -154,6 +174,47 @@ pub fn open(path: &Path) -> Result<(File, u64), Error> {
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
     let (file, length) = open(path)?;
     read_open(file, length, path)
+}
+
+/// The same on up to this many threads, where the file is large.
+pub(crate) fn read_by(path: &Path, threads: usize) -> Result<Vec<u8>, Error> {
+    let (file, length) = open(path)?;
+    match read_pieces(&file, length, threads) {
+        Some(bytes) => Ok(bytes),
+        None => read_open(file, length, path),
+    }
+}
+
+/// A large file in pieces, one for each thread: the system needs more time for new memory than for the copy. `None` where that
+/// does not work, or is not worth it.
+#[cfg(unix)]
+fn read_pieces(file: &File, length: u64, threads: usize) -> Option<Vec<u8>> {
+    use std::os::unix::fs::FileExt;
+    /// Bytes that are worth a thread.
+    const PIECE: u64 = 1 << 19;
+    let pieces = (length / PIECE).min(threads as u64) as usize;
+    if pieces < 2 {
+        return None;
+    }
+    let length = usize::try_from(length).ok()?;
+    // A lack of memory is an error of the other way, and would be the end of the program here.
+    Vec::<u8>::new().try_reserve_exact(length).ok()?;
+    let mut bytes = vec![0; length];
+    let size = length.div_ceil(pieces);
+    let parts: Vec<Mutex<&mut [u8]>> = bytes.chunks_mut(size).map(Mutex::new).collect();
+    let is_read = AtomicBool::new(true);
+    threads::for_each(threads, parts.len(), &|i| {
+        let mut part = parts[i].lock().unwrap_or_else(PoisonError::into_inner);
+        if file.read_exact_at(&mut part, (i * size) as u64).is_err() {
+            is_read.store(false, Ordering::Relaxed);
+        }
+    });
+    is_read.into_inner().then_some(bytes)
+}
+
+#[cfg(not(unix))]
+fn read_pieces(_: &File, _: u64, _: usize) -> Option<Vec<u8>> {
+    None
 }
 
 fn read_open(file: File, length: u64, path: &Path) -> Result<Vec<u8>, Error> {

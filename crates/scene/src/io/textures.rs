@@ -62,9 +62,10 @@ impl<'a> Pictures<'a> {
         let budget = &self.access.budget;
         budget.add_picture(bytes.len() as u64);
         let most = budget.left();
+        let workers: gnurt_image::Workers<'_> = &|count, job| self.access.work(count, job);
         let texels = match meaning {
-            Meaning::Color => gnurt_image::decode_texture_within(bytes, name, most),
-            Meaning::Data => gnurt_image::decode_data_texture_within(bytes, name, most),
+            Meaning::Color => gnurt_image::decode_texture_within(bytes, name, most, workers),
+            Meaning::Data => gnurt_image::decode_data_texture_within(bytes, name, most, workers),
         };
         let texels = texels.map_err(|e| match e {
             gnurt_image::Error::TooMuchMemory { .. } if self.access.tiles.is_none() => {

@@ -221,6 +221,13 @@ impl Warnings {
         }
     }
 
+    /// Notes all oddities of another list.
+    pub fn append(&mut self, other: Self) {
+        for Warning { oddity, count, path, line, detail } in other.list {
+            self.note_many(oddity, count, &path, line, detail);
+        }
+    }
+
     /// One warning per kind and cause, in the order of their first appearance.
     pub fn iter(&self) -> impl Iterator<Item = &Warning> {
         self.list.iter()

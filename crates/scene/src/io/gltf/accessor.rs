@@ -7,6 +7,7 @@ use super::decoded::{Array, ComponentType, Decoded};
 use super::document::Document;
 use super::json::{Accessor, Index};
 use crate::io::Error;
+use crate::io::threads::fill;
 
 /// Least bytes of an element of at most four components in memory.
 const LEAST_HELD: usize = 16;
@@ -26,12 +27,10 @@ pub(super) fn floats<const N: usize>(
     }
     let mut values = vec![[0.0; N]; reader.count];
     if let Some(bytes) = reader.packed(ComponentType::F32, N)? {
-        let number = |bytes: &[u8; 4]| f32::from_le_bytes(*bytes);
-        values
-            .as_flattened_mut()
-            .iter_mut()
-            .zip(bytes.as_chunks::<4>().0)
-            .for_each(|(slot, bytes)| *slot = number(bytes));
+        let threads = document.access.threads();
+        fill(threads, values.as_flattened_mut(), bytes.as_chunks::<4>().0, &|to, from| {
+            to.iter_mut().zip(from).for_each(|(slot, bytes)| *slot = f32::from_le_bytes(*bytes));
+        });
         return Ok(values);
     }
     let size = size_of_component(reader.component);
@@ -59,6 +58,28 @@ pub(super) fn indices(
     Ok((integers(document, index, location)?, largest))
 }
 
+/// The triangles of an accessor of packed indices of 32 bits, three to each; `None` leaves others to [`indices`].
+pub(super) fn packed_triangles(
+    document: &Document<'_>,
+    index: Index,
+    location: &str,
+) -> Result<Option<Vec<[u32; 3]>>, Error> {
+    let accessor: Accessor<'_> = document.get(&document.root.accessors, index, location, "accessor")?;
+    let is_plain = ComponentType::of(accessor.component_type) == Some(ComponentType::U32)
+        && accessor.sparse.is_none()
+        && accessor.count.is_multiple_of(3);
+    if !is_plain {
+        return Ok(None);
+    }
+    let reader = Reader::new(document, index, location, None)?;
+    let Some(bytes) = reader.packed(ComponentType::U32, 1)? else { return Ok(None) };
+    let mut triangles = vec![[0; 3]; reader.count / 3];
+    fill(document.access.threads(), triangles.as_flattened_mut(), bytes.as_chunks::<4>().0, &|to, from| {
+        to.iter_mut().zip(from).for_each(|(slot, bytes)| *slot = u32::from_le_bytes(*bytes));
+    });
+    Ok(Some(triangles))
+}
+
 /// Reads an accessor of one unsigned integer each.
 fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<u32>, Error> {
     let reader = Reader::new(document, index, location, None)?;
@@ -72,10 +93,9 @@ fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec
     }
     let mut values = vec![0; reader.count];
     if let Some(bytes) = reader.packed(ComponentType::U32, 1)? {
-        values
-            .iter_mut()
-            .zip(bytes.as_chunks::<4>().0)
-            .for_each(|(slot, bytes)| *slot = u32::from_le_bytes(*bytes));
+        fill(document.access.threads(), &mut values, bytes.as_chunks::<4>().0, &|to, from| {
+            to.iter_mut().zip(from).for_each(|(slot, bytes)| *slot = u32::from_le_bytes(*bytes));
+        });
         return Ok(values);
     }
     if let Some(bytes) = reader.packed(ComponentType::U16, 1)? {

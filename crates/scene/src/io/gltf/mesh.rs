@@ -3,7 +3,7 @@
 //! Source: glTF 2.0 section 3.7. Triangles, strips and fans; points and lines are left out with a warning.
 //! Space: that of the mesh; v is flipped upwards. Tests: `tests/gltf.rs`.
 
-use super::accessor::indices;
+use super::accessor::{indices, packed_triangles};
 use super::decoded::Decoded;
 use super::document::Document;
 use super::draco;
@@ -13,7 +13,7 @@ use super::primitive::PrimitiveReader;
 use super::skin::{Bending, Parts};
 use super::variants::material_of;
 use crate::animation::reverse_mirrored;
-use crate::io::clean::{clean, clean_attributes, replace_bad};
+use crate::io::clean::{clean_attributes, clean_by, replace_bad};
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::{Attribute, Mesh, Rate, TEXCOORD_1};
 use crate::tangents;
@@ -58,7 +58,7 @@ pub(super) fn read(
             document.budget().settle(before);
             continue;
         };
-        clean(&mut mesh, &document.path, warnings);
+        clean_by(&mut mesh, &document.path, warnings, document.access.threads());
         document.budget().settle(before);
         if let Some(parts) = &mut parts {
             document.hold(parts.memory_bytes() + name.len() + MESH_BYTES, &location)?;
@@ -251,20 +251,8 @@ impl PrimitiveReader<'_> {
         Ok(decoded.triangles.clone())
     }
 
-    fn triangles(&self, mode: Mode, count: usize) -> Result<Vec<[u32; 3]>, Error> {
-        if let Some(decoded) = &self.decoded {
-            return self.decoded_triangles(decoded, count);
-        }
-        let (order, restart) = match self.primitive.indices {
-            Some(index) => indices(self.document, index, self.location)?,
-            None => {
-                // Each vertex is the corner of up to three triangles.
-                self.document.hold(CORNER_BYTES * count, self.location)?;
-                ((0..u32::try_from(count).unwrap_or(u32::MAX)).collect(), u32::MAX)
-            }
-        };
-        // Without the extension it is an index like others.
-        let restart = Some(restart).filter(|_| self.document.has_restarts);
+    /// That indices of vertices are in range, unless they end a strip or fan.
+    fn check_corners(&self, order: &[u32], count: usize, restart: Option<u32>) -> Result<(), Error> {
         // The largest is found sooner than the first bad one.
         let may_be_bad = order.iter().fold(0, |most, &i| most.max(i)) as usize >= count;
         let bad = |i: &&u32| **i as usize >= count && Some(**i) != restart;
@@ -280,6 +268,31 @@ impl PrimitiveReader<'_> {
                 &remedy,
             ));
         }
+        Ok(())
+    }
+
+    fn triangles(&self, mode: Mode, count: usize) -> Result<Vec<[u32; 3]>, Error> {
+        if let Some(decoded) = &self.decoded {
+            return self.decoded_triangles(decoded, count);
+        }
+        if let (Mode::Triangles, false, Some(index)) =
+            (mode, self.document.has_restarts, self.primitive.indices)
+            && let Some(triangles) = packed_triangles(self.document, index, self.location)?
+        {
+            self.check_corners(triangles.as_flattened(), count, None)?;
+            return Ok(triangles);
+        }
+        let (order, restart) = match self.primitive.indices {
+            Some(index) => indices(self.document, index, self.location)?,
+            None => {
+                // Each vertex is the corner of up to three triangles.
+                self.document.hold(CORNER_BYTES * count, self.location)?;
+                ((0..u32::try_from(count).unwrap_or(u32::MAX)).collect(), u32::MAX)
+            }
+        };
+        // Without the extension it is an index like others.
+        let restart = Some(restart).filter(|_| self.document.has_restarts);
+        self.check_corners(&order, count, restart)?;
         let runs = order.split(|&i| Some(i) == restart);
         Ok(match mode {
             Mode::Strip => {

@@ -87,7 +87,7 @@ pub(super) const BINARY: Format = Format {
 
 /// Loads a glTF file and all that it refers to.
 fn load(path: &Path, is_binary: bool, access: &Access) -> Result<Loaded, Error> {
-    let bytes = source::read(path)?;
+    let bytes = source::read_by(path, access.threads())?;
     access.budget.add_file(bytes.len() as u64);
     let mut warnings = Warnings::default();
     let document = Document::new(path, &bytes, is_binary, access, &mut warnings)?;

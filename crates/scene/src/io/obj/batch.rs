@@ -1,143 +1,198 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Statements of an OBJ file in batches: numbers and corners that are written as nearly all files write them are
-//! read, other statements are kept as text. So batches can be made on one thread and used on another, in the order
-//! of the file. Memory: one batch. Tests: `tests/obj.rs`.
+//! Statements of a block of an OBJ file: numbers and corners that are written as nearly all files write them are
+//! read, other statements are kept as text. So batches are made on any thread and used on one, in the order of the
+//! file. Statements of one kind on lines that follow each other are a run. Memory: one block. Tests: `tests/obj.rs`.
 
-use std::io::BufRead;
-
-use super::plain;
+use super::plain::{Cursor, PlainCorner};
 use crate::io::Error;
-use crate::io::lines::LogicalLines;
+use crate::io::lines::{LONGEST, LogicalLines};
 
-/// Statements of a batch at most.
-const STATEMENTS: usize = 1 << 13;
-/// Bytes of text of a batch, but for the last line.
-const TEXT: usize = 1 << 20;
-
-/// Indices of a corner's position, texture coordinate and normal as written.
-pub(super) type WrittenCorner = [Option<i64>; 3];
-
-/// Some statements.
+/// Statements of a block.
 #[derive(Default)]
 pub(super) struct Batch {
-    statements: Vec<Statement>,
-    numbers: Vec<f64>,
-    corners: Vec<WrittenCorner>,
+    runs: Vec<Run>,
+    positions: Vec<[f64; 3]>,
+    texcoords: Vec<[f32; 2]>,
+    normals: Vec<[f32; 3]>,
+    /// Corners of each face.
+    faces: Vec<u32>,
+    corners: Vec<PlainCorner>,
     text: String,
+    /// Physical lines.
+    pub(super) lines: u64,
 }
 
-struct Statement {
+/// Statements of one kind, the first of which is on this line of the block.
+struct Run {
     line: u64,
     kind: Kind,
+    /// Statements, or bytes of a text.
+    count: usize,
 }
 
-/// The kinds of statements, and how much of the batch's lists belongs to them.
+#[derive(Clone, Copy, PartialEq)]
 enum Kind {
-    Position,
-    Texcoord,
-    Normal,
-    Face { corners: usize },
-    Text { bytes: usize },
+    Positions,
+    Texcoords,
+    Normals,
+    Faces,
+    Text,
 }
 
-/// A statement of a batch.
+/// A run of a batch.
 pub(super) enum Read<'a> {
     /// `v` with three numbers.
-    Position([f64; 3]),
+    Positions(&'a [[f64; 3]]),
     /// `vt` with two or three numbers, without the third.
-    Texcoord([f32; 2]),
+    Texcoords(&'a [[f32; 2]]),
     /// `vn` with three numbers.
-    Normal([f32; 3]),
-    /// `f`.
-    Face(&'a [WrittenCorner]),
-    /// Any other one.
+    Normals(&'a [[f32; 3]]),
+    /// `f`: the number of corners of each, and all corners.
+    Faces(&'a [u32], &'a [PlainCorner]),
+    /// Any other statement.
     Text(&'a str),
 }
 
+#[cfg(test)]
+impl std::fmt::Display for Read<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Positions(all) => write!(f, "v {all:?}"),
+            Self::Texcoords(all) => write!(f, "vt {all:?}"),
+            Self::Normals(all) => write!(f, "vn {all:?}"),
+            Self::Faces(counts, corners) => write!(f, "f {counts:?} {corners:?}"),
+            Self::Text(text) => f.write_str(text),
+        }
+    }
+}
+
 impl Batch {
-    /// Reads the next lines; `false` behind the last one. What was read before an error is kept.
-    pub(super) fn fill<R: BufRead>(&mut self, lines: &mut LogicalLines<R>) -> Result<bool, Error> {
-        while self.statements.len() < STATEMENTS && self.text.len() < TEXT {
-            let Some((line, text)) = lines.next()? else { return Ok(false) };
-            let kind = self.add(text);
-            self.statements.push(Statement { line, kind });
-        }
-        Ok(true)
-    }
-
-    fn add(&mut self, text: &str) -> Kind {
-        let [numbers, corners] = [self.numbers.len(), self.corners.len()];
-        if let Some(kind) = self.add_plain(text.as_bytes()) {
-            return kind;
-        }
-        self.numbers.truncate(numbers);
-        self.corners.truncate(corners);
-        self.text.push_str(text);
-        Kind::Text { bytes: text.len() }
-    }
-
-    /// A statement of plain numbers.
-    fn add_plain(&mut self, text: &[u8]) -> Option<Kind> {
-        let is_space = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\x0c');
-        let end = text.iter().position(is_space)?;
-        let mut tokens = text[end..].split(is_space).filter(|token| !token.is_empty());
-        match &text[..end] {
-            b"v" => {
-                self.add_numbers(&mut tokens, 3)?;
-                tokens.next().is_none().then_some(Kind::Position)
-            }
-            b"vn" => {
-                self.add_numbers(&mut tokens, 3)?;
-                tokens.next().is_none().then_some(Kind::Normal)
-            }
-            b"vt" => {
-                self.add_numbers(&mut tokens, 2)?;
-                let is_third_plain = tokens.next().is_none_or(|third| plain::double(third).is_some());
-                (is_third_plain && tokens.next().is_none()).then_some(Kind::Texcoord)
-            }
-            b"f" => {
-                let before = self.corners.len();
-                for token in tokens {
-                    self.corners.push(plain::corner(token)?);
+    /// Reads the lines of a block. What was read before an error is kept.
+    pub(super) fn fill(&mut self, mut lines: LogicalLines<&[u8]>) -> Result<(), Error> {
+        self.clear();
+        while !lines.rest().is_empty() {
+            let plain = self.add_plain(lines.rest());
+            // Lines that are too long are refused in the general way.
+            if let Some((kind, length)) = plain.filter(|(_, length)| *length <= LONGEST) {
+                let line = lines.count() + 1;
+                match self.runs.last_mut() {
+                    Some(run) if run.kind == kind && run.line + run.count as u64 == line => run.count += 1,
+                    _ => self.runs.push(Run { line, kind, count: 1 }),
                 }
-                Some(Kind::Face { corners: self.corners.len() - before })
+                lines.skip_line(length);
+                continue;
             }
-            _ => None,
+            let Some((line, text)) = lines.next()? else { break };
+            self.text.push_str(text);
+            self.runs.push(Run { line, kind: Kind::Text, count: text.len() });
         }
+        self.lines = lines.count();
+        Ok(())
     }
 
-    fn add_numbers<'a>(&mut self, tokens: &mut impl Iterator<Item = &'a [u8]>, count: usize) -> Option<()> {
-        for _ in 0..count {
-            self.numbers.push(plain::double(tokens.next()?)?);
+    /// Forgets all statements.
+    pub(super) fn clear(&mut self) {
+        self.runs.clear();
+        self.positions.clear();
+        self.texcoords.clear();
+        self.normals.clear();
+        self.faces.clear();
+        self.corners.clear();
+        self.text.clear();
+    }
+
+    /// A line that is a statement of plain numbers, and its bytes; otherwise nothing is added.
+    #[inline(always)]
+    fn add_plain(&mut self, bytes: &[u8]) -> Option<(Kind, usize)> {
+        let mut cursor = Cursor::new(bytes);
+        let kind = match *bytes {
+            [b'v', b' ' | b'\t', ..] => {
+                cursor.word(b"v")?;
+                let position = numbers(&mut cursor)?;
+                cursor.end()?;
+                self.positions.push(position);
+                Kind::Positions
+            }
+            [b'v', b'n', ..] => {
+                cursor.word(b"vn")?;
+                let normal: [f64; 3] = numbers(&mut cursor)?;
+                cursor.end()?;
+                self.normals.push(normal.map(|x| x as f32));
+                Kind::Normals
+            }
+            [b'v', b't', ..] => {
+                cursor.word(b"vt")?;
+                let texcoord: [f64; 2] = numbers(&mut cursor)?;
+                if cursor.end().is_none() {
+                    cursor.double()?;
+                    cursor.end()?;
+                }
+                self.texcoords.push(texcoord.map(|x| x as f32));
+                Kind::Texcoords
+            }
+            [b'f', b' ' | b'\t', ..] => {
+                cursor.word(b"f")?;
+                let before = self.corners.len();
+                if self.add_corners(&mut cursor).is_none() {
+                    self.corners.truncate(before);
+                    return None;
+                }
+                self.faces.push((self.corners.len() - before) as u32);
+                Kind::Faces
+            }
+            _ => return None,
+        };
+        Some((kind, cursor.at()))
+    }
+
+    #[inline(always)]
+    fn add_corners(&mut self, cursor: &mut Cursor<'_>) -> Option<()> {
+        while cursor.end().is_none() {
+            self.corners.push(cursor.corner()?);
         }
         Some(())
     }
 
-    /// The statements with their lines, in order.
-    pub(super) fn statements(&self) -> impl Iterator<Item = (u64, Read<'_>)> {
-        let (mut numbers, mut corners, mut text) = (&self.numbers[..], &self.corners[..], &self.text[..]);
-        self.statements.iter().map(move |statement| {
-            let mut next = || {
-                let (first, rest) = numbers.split_first().unwrap_or((&0.0, &[]));
-                numbers = rest;
-                *first
-            };
-            let read = match statement.kind {
-                Kind::Position => Read::Position([(); 3].map(|()| next())),
-                Kind::Texcoord => Read::Texcoord([(); 2].map(|()| next() as f32)),
-                Kind::Normal => Read::Normal([(); 3].map(|()| next() as f32)),
-                Kind::Face { corners: count } => {
-                    let (face, rest) = corners.split_at(count);
-                    corners = rest;
-                    Read::Face(face)
+    /// The runs with their first lines, in order.
+    pub(super) fn runs(&self) -> impl Iterator<Item = (u64, Read<'_>)> {
+        let (mut positions, mut texcoords) = (&self.positions[..], &self.texcoords[..]);
+        let (mut normals, mut faces) = (&self.normals[..], &self.faces[..]);
+        let (mut corners, mut text) = (&self.corners[..], &self.text[..]);
+        self.runs.iter().map(move |run| {
+            let read = match run.kind {
+                Kind::Positions => Read::Positions(first(&mut positions, run.count)),
+                Kind::Texcoords => Read::Texcoords(first(&mut texcoords, run.count)),
+                Kind::Normals => Read::Normals(first(&mut normals, run.count)),
+                Kind::Faces => {
+                    let faces = first(&mut faces, run.count);
+                    let count = faces.iter().map(|&count| count as usize).sum();
+                    Read::Faces(faces, first(&mut corners, count))
                 }
-                Kind::Text { bytes } => {
-                    let (line, rest) = text.split_at(bytes);
+                Kind::Text => {
+                    let (line, rest) = text.split_at(run.count);
                     text = rest;
                     Read::Text(line)
                 }
             };
-            (statement.line, read)
+            (run.line, read)
         })
     }
+}
+
+/// Numbers, each behind blanks.
+#[inline(always)]
+fn numbers<const N: usize>(cursor: &mut Cursor<'_>) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        cursor.blanks()?;
+        *number = cursor.double()?;
+    }
+    Some(numbers)
+}
+
+/// Takes the first values of a list.
+fn first<'a, T>(list: &mut &'a [T], count: usize) -> &'a [T] {
+    let (first, rest) = list.split_at(count);
+    *list = rest;
+    first
 }

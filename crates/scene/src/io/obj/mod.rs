@@ -3,13 +3,14 @@
 //! Source: Wavefront, Advanced Visualizer manual, appendix B1 (OBJ) and MTL 4.2.
 //!
 //! ```text
-//! file -> LogicalLines -> Statements -> Lists, Parts (faces by material) -> one mesh per material
+//! file -> blocks of LogicalLines -> Statements -> Lists, Parts (faces by material) -> one mesh per material
 //! ```
 //!
 //! Groups, objects and smoothing are ignored. Tests: `tests/obj.rs`, `tests/broken_files.rs`,
 //! `tests/growth.rs`.
 
 mod batch;
+mod blocks;
 mod directives;
 mod maps;
 mod material;
@@ -20,13 +21,12 @@ mod plain;
 mod statements;
 mod vertices;
 
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 use statements::Statements;
 
 use super::format::{Format, SceneWriter};
-use super::lines::LogicalLines;
 use super::save::obj as save;
 use super::source::{self, Access};
 use super::{Error, Loaded, Warnings};
@@ -54,14 +54,13 @@ pub(super) const FORMAT: Format = Format {
 fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     let (file, length) = source::open(path)?;
     access.budget.add_file(length);
-    let lines = LogicalLines::new(BufReader::with_capacity(1 << 16, file.take(length)), path);
     let mut warnings = Warnings::default();
     let Statements { lists, parts, library, origin, .. } =
-        Statements::read(lines, path, length, access, &mut warnings)?;
+        Statements::read(file.take(length), path, length, access, &mut warnings)?;
 
     let mut scene = Scene::new();
     let (materials, pictures) = material::add_all(&library, access, &mut scene, &mut warnings)?;
-    let meshes = parts.into_meshes(&lists, &materials, &scene, path, &mut warnings);
+    let meshes = parts.into_meshes(&lists, &materials, &scene, (path, access.threads()), &mut warnings);
     drop(lists);
     let meshes: Vec<_> = meshes.into_iter().map(|mesh| scene.add_mesh(mesh)).collect();
     if !meshes.is_empty() {

@@ -6,13 +6,15 @@
 //! Tests: `tests/obj.rs::{groups_become_one_mesh_per_material, corners_that_are_alike_are_one_vertex}`.
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use gnurt_image::srgb;
 
 use super::vertices::{Corner, NONE, Vertices};
 use crate::id::MaterialId;
-use crate::io::clean::clean;
+use crate::io::clean::clean_by;
 use crate::io::polygon::Cutter;
+use crate::io::threads::for_each;
 use crate::io::{Oddity, Warnings};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
@@ -60,6 +62,27 @@ impl Parts {
         self.bytes + self.parts.capacity() * size_of::<Part>() + self.vertices.memory_bytes()
     }
 
+    /// Adds a face of three corners.
+    #[inline]
+    pub(super) fn add_triangle(&mut self, material: usize, corners: [Corner; 3], lists: &Lists) {
+        if self.parts.len() <= material {
+            self.parts.resize_with(material + 1, Part::default);
+        }
+        let part = &mut self.parts[material];
+        let before = part.vertices.capacity() + part.triangles.capacity();
+        self.vertices.extend(lists.positions.len());
+        let triangle = corners.map(|corner| {
+            let next = part.vertices.len() as u32;
+            let vertex = self.vertices.number((material as u32, corner), next);
+            if vertex == next {
+                part.vertices.push(corner);
+            }
+            vertex
+        });
+        part.triangles.push(triangle);
+        self.bytes += size_of::<Corner>() * (part.vertices.capacity() + part.triangles.capacity() - before);
+    }
+
     /// Adds a face of at least three corners, cut into triangles.
     pub(super) fn add_face(
         &mut self,
@@ -73,15 +96,17 @@ impl Parts {
         }
         let part = &mut self.parts[material];
         let before = part.vertices.capacity() + part.triangles.capacity();
-        self.ring.clear();
-        for &corner in corners {
+        self.vertices.extend(lists.positions.len());
+        let mut number = |&corner: &Corner| {
             let next = part.vertices.len() as u32;
             let vertex = self.vertices.number((material as u32, corner), next);
             if vertex == next {
                 part.vertices.push(corner);
             }
-            self.ring.push(vertex);
-        }
+            vertex
+        };
+        self.ring.clear();
+        self.ring.extend(corners.iter().map(&mut number));
         let ring = &self.ring;
         let position = |k: usize| lists.positions[corners[k][0] as usize];
         cutter.cut(ring.len(), position, |triangle| part.triangles.push(triangle.map(|k| ring[k])));
@@ -94,27 +119,38 @@ impl Parts {
         lists: &Lists,
         materials: &[MaterialId],
         scene: &Scene,
-        path: &Path,
+        (path, threads): (&Path, usize),
         warnings: &mut Warnings,
     ) -> Vec<Mesh> {
         let Self { parts, vertices, .. } = self;
         drop(vertices);
-        let mut meshes = Vec::new();
-        for (part, &material) in parts.into_iter().zip(materials) {
+        let jobs: Vec<_> = parts.into_iter().zip(materials).map(|job| Mutex::new(Some(job))).collect();
+        let made: Vec<Mutex<Option<(Mesh, Warnings)>>> = jobs.iter().map(|_| Mutex::default()).collect();
+        for_each(threads, jobs.len(), &|i| {
+            let Some((part, &material)) = jobs[i].lock().unwrap_or_else(PoisonError::into_inner).take()
+            else {
+                return;
+            };
+            let mut warnings = Warnings::default();
+            let mut mesh = Mesh::default();
             if part.vertices.len() > u32::MAX as usize {
                 // Indices of 32 bits end here; no file of a size that fits today's disks comfortably gets so far.
                 warnings.note(Oddity::NotShown, path, None, "more than 2^32 vertices of one material");
-                continue;
+            } else {
+                mesh = part.into_mesh(lists);
+                mesh.material = material;
+                mesh.name.clone_from(&scene.material(material).name);
+                clean_by(&mut mesh, path, &mut warnings, if jobs.len() == 1 { threads } else { 1 });
             }
-            let mut mesh = part.into_mesh(lists);
-            mesh.material = material;
-            mesh.name.clone_from(&scene.material(material).name);
-            clean(&mut mesh, path, warnings);
-            if !mesh.indices.is_empty() {
-                meshes.push(mesh);
-            }
-        }
-        meshes
+            *made[i].lock().unwrap_or_else(PoisonError::into_inner) = Some((mesh, warnings));
+        });
+        let made =
+            made.into_iter().filter_map(|made| made.into_inner().unwrap_or_else(PoisonError::into_inner));
+        let meshes = made.map(|(mesh, more)| {
+            warnings.append(more);
+            mesh
+        });
+        meshes.filter(|mesh| !mesh.indices.is_empty()).collect()
     }
 }
 

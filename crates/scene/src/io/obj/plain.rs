@@ -12,74 +12,167 @@ const POWERS: [f64; 23] = [
 /// Digits that a number of 64 bits holds.
 const DIGITS: usize = 19;
 
-/// A decimal number: `-12.5`, `3`, `.5e-3`.
-pub(super) fn double(token: &[u8]) -> Option<f64> {
-    let (is_negative, token) = match token {
-        [b'-', rest @ ..] => (true, rest),
-        [b'+', rest @ ..] => (false, rest),
-        _ => (false, token),
-    };
-    let mut whole = 0_u64;
-    let (mut digits, mut behind) = (0, 0);
-    let mut at = 0;
-    let mut point = None;
-    while let Some(&byte) = token.get(at) {
-        match byte {
-            b'0'..=b'9' => {
-                whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
-                digits += 1;
+/// Bytes of a line, read from left to right.
+#[derive(Clone, Copy)]
+pub(super) struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// At the first byte.
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0 }
+    }
+
+    /// Bytes behind.
+    pub(super) fn at(&self) -> usize {
+        self.at
+    }
+
+    #[inline(always)]
+    fn peek(&self) -> u8 {
+        // The end of the bytes ends the last line.
+        self.bytes.get(self.at).copied().unwrap_or(b'\n')
+    }
+
+    /// Steps over these bytes.
+    #[inline(always)]
+    pub(super) fn word(&mut self, word: &[u8]) -> Option<()> {
+        self.bytes[self.at..].starts_with(word).then(|| self.at += word.len())
+    }
+
+    /// Steps over blanks; `None` where there is none.
+    #[inline(always)]
+    pub(super) fn blanks(&mut self) -> Option<()> {
+        let before = self.at;
+        while is_blank(self.peek()) {
+            self.at += 1;
+        }
+        (self.at > before).then_some(())
+    }
+
+    /// Steps over blanks and the end of the line; `None`, and over blanks only, if there is more.
+    #[inline(always)]
+    pub(super) fn end(&mut self) -> Option<()> {
+        let _ = self.blanks();
+        match self.peek() {
+            b'\n' => self.at = (self.at + 1).min(self.bytes.len()),
+            b'\r' => self.at += if self.bytes.get(self.at + 1) == Some(&b'\n') { 2 } else { 1 },
+            _ => return None,
+        }
+        Some(())
+    }
+
+    /// Whether blanks or the end of the line are next.
+    #[inline(always)]
+    fn is_behind_word(&self) -> bool {
+        let next = self.peek();
+        is_blank(next) || next == b'\n' || next == b'\r'
+    }
+
+    /// A decimal number that is a word: `-12.5`, `3`, `.5e-3`.
+    #[inline]
+    pub(super) fn double(&mut self) -> Option<f64> {
+        let is_negative = self.sign();
+        let (whole, mut digits) = self.digits(0);
+        let (mut whole, mut power) = (whole, 0_i64);
+        if self.peek() == b'.' {
+            self.at += 1;
+            let behind;
+            (whole, behind) = self.digits(whole);
+            digits += behind;
+            power = -(behind as i64);
+        }
+        if digits == 0 || digits > DIGITS || whole >= 1 << 53 {
+            return None;
+        }
+        if matches!(self.peek(), b'e' | b'E') {
+            self.at += 1;
+            power += self.integer()?;
+        }
+        if !self.is_behind_word() {
+            return None;
+        }
+        let scale = *POWERS.get(usize::try_from(power.unsigned_abs()).ok()?)?;
+        let value = if power < 0 { whole as f64 / scale } else { whole as f64 * scale };
+        Some(if is_negative { -value } else { value })
+    }
+
+    /// Appends digits to a number; returns their count as well.
+    #[inline(always)]
+    fn digits(&mut self, mut whole: u64) -> (u64, usize) {
+        let before = self.at;
+        while let Some(digit) = digit(self.peek()) {
+            whole = whole.wrapping_mul(10).wrapping_add(digit);
+            self.at += 1;
+        }
+        (whole, self.at - before)
+    }
+
+    /// A whole number of a few digits, with or without a sign.
+    #[inline(always)]
+    fn integer(&mut self) -> Option<i64> {
+        let is_negative = self.sign();
+        let (number, digits) = self.digits(0);
+        let number = (1..DIGITS).contains(&digits).then_some(number as i64)?;
+        Some(if is_negative { -number } else { number })
+    }
+
+    #[inline(always)]
+    fn sign(&mut self) -> bool {
+        let sign = self.peek();
+        self.at += usize::from(sign == b'-' || sign == b'+');
+        sign == b'-'
+    }
+
+    /// `v`, `v/t`, `v//n` or `v/t/n` as written; 31 bits are enough for nearly all files.
+    #[inline]
+    pub(super) fn corner(&mut self) -> Option<PlainCorner> {
+        let mut indices = [MISSING; 3];
+        for (k, slot) in indices.iter_mut().enumerate() {
+            if k > 0 {
+                if self.peek() != b'/' {
+                    break;
+                }
+                self.at += 1;
+                if self.peek() == b'/' || self.is_behind_word() {
+                    continue;
+                }
             }
-            b'.' if point.is_none() => point = Some(digits),
-            _ => break,
+            *slot = i32::try_from(self.integer()?).ok().filter(|&index| index != MISSING)?;
         }
-        at += 1;
+        self.is_behind_word().then_some(indices)
     }
-    if digits == 0 || digits > DIGITS || whole >= 1 << 53 {
-        return None;
-    }
-    if let Some(point) = point {
-        behind = digits - point;
-    }
-    let mut power = -(behind as i64);
-    if let [b'e' | b'E', rest @ ..] = &token[at..] {
-        power += integer(rest)?;
-    } else if at != token.len() {
-        return None;
-    }
-    let scale = *POWERS.get(usize::try_from(power.unsigned_abs()).ok()?)?;
-    let value = if power < 0 { whole as f64 / scale } else { whole as f64 * scale };
-    Some(if is_negative { -value } else { value })
 }
 
-/// A whole number of a few digits, with or without a sign.
-fn integer(text: &[u8]) -> Option<i64> {
-    let (sign, text) = match text {
-        [b'-', rest @ ..] => (-1, rest),
-        [b'+', rest @ ..] => (1, rest),
-        _ => (1, text),
-    };
-    let is_short = (1..=DIGITS - 1).contains(&text.len());
-    let number = |number: i64, byte: &u8| byte.is_ascii_digit().then(|| number * 10 + i64::from(byte - b'0'));
-    if is_short { text.iter().try_fold(0, number).map(|number| sign * number) } else { None }
+/// Indices of a corner's position, texture coordinate and normal, or [`MISSING`].
+pub(super) type PlainCorner = [i32; 3];
+
+/// An index that is not written.
+pub(super) const MISSING: i32 = i32::MIN;
+
+#[inline(always)]
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\x0c')
 }
 
-/// `v`, `v/t`, `v//n` or `v/t/n` as written.
-pub(super) fn corner(token: &[u8]) -> Option<[Option<i64>; 3]> {
-    let mut indices = [None; 3];
-    let mut parts = token.split(|&byte| byte == b'/');
-    for (k, slot) in indices.iter_mut().enumerate() {
-        match parts.next() {
-            Some([]) if k > 0 => {}
-            Some(part) => *slot = Some(integer(part)?),
-            None => break,
-        }
-    }
-    parts.next().is_none().then_some(indices)
+#[inline(always)]
+fn digit(byte: u8) -> Option<u64> {
+    let digit = byte.wrapping_sub(b'0');
+    (digit < 10).then_some(u64::from(digit))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A text that is one number.
+    fn double(text: &[u8]) -> Option<f64> {
+        let mut cursor = Cursor::new(text);
+        let value = cursor.double()?;
+        (cursor.at() == text.len()).then_some(value)
+    }
 
     #[test]
     fn numbers_are_those_of_the_standard_library() {
@@ -131,12 +224,18 @@ mod tests {
 
     #[test]
     fn corners_in_all_forms() {
-        let of = |text: &str| corner(text.as_bytes());
-        assert_eq!(of("1"), Some([Some(1), None, None]));
-        assert_eq!(of("1/-2"), Some([Some(1), Some(-2), None]));
-        assert_eq!(of("1//3"), Some([Some(1), None, Some(3)]));
-        assert_eq!(of("-1/+2/3"), Some([Some(-1), Some(2), Some(3)]));
-        assert_eq!(of("7/"), Some([Some(7), None, None]));
+        let of = |text: &str| {
+            let mut cursor = Cursor::new(text.as_bytes());
+            let corner = cursor.corner()?;
+            (cursor.at() == text.len()).then_some(corner)
+        };
+        assert_eq!(of("1"), Some([1, MISSING, MISSING]));
+        assert_eq!(of("1/-2"), Some([1, -2, MISSING]));
+        assert_eq!(of("1//3"), Some([1, MISSING, 3]));
+        assert_eq!(of("-1/+2/3"), Some([-1, 2, 3]));
+        assert_eq!(of("7/"), Some([7, MISSING, MISSING]));
+        assert_eq!(of("7//"), Some([7, MISSING, MISSING]));
+        assert_eq!(of("4000000000"), None, "left to others");
         for text in ["", "/1", "1/2/3/4", "1/x", "1.5", "99999999999999999999"] {
             assert_eq!(of(text), None, "{text}");
         }

@@ -5,17 +5,16 @@
 //! charged after each batch. Tests: `tests/obj.rs`, `tests/broken_files.rs`,
 //! `tests/growth.rs`.
 
-use std::io::BufRead;
+use std::io::Read;
 use std::path::Path;
-use std::sync::mpsc::sync_channel;
-use std::thread::Builder;
 
-use super::batch::{Batch, Read, WrittenCorner};
+use super::batch::{Batch, Read as Run};
+use super::blocks;
 use super::mtl::Library;
 use super::parts::{Lists, Parts};
+use super::plain::{MISSING, PlainCorner};
 use super::vertices::{Corner, NONE};
 use crate::io::error::quoted;
-use crate::io::lines::LogicalLines;
 use crate::io::origin::Origin;
 use crate::io::polygon::Cutter;
 use crate::io::source::Access;
@@ -24,8 +23,9 @@ use gnurt_image::Excess;
 
 /// Bytes from which a file is worth a second thread.
 const LONG: u64 = 1 << 19;
-/// Batches of statements that wait at most.
-const BATCHES: usize = 4;
+
+/// Indices of a corner's position, texture coordinate and normal as written.
+type WrittenCorner = [Option<i64>; 3];
 
 /// The statements of a file so far.
 pub(super) struct Statements<'a> {
@@ -39,6 +39,8 @@ pub(super) struct Statements<'a> {
     /// Whether any statement was an OBJ one.
     recognised: bool,
     count: u64,
+    /// Lines of the blocks before.
+    lines: u64,
     /// Bytes charged to the budget.
     held: usize,
     corners: Vec<Corner>,
@@ -48,9 +50,9 @@ pub(super) struct Statements<'a> {
 }
 
 impl<'a> Statements<'a> {
-    /// Reads all lines of the file at `path`, which has `length` bytes. Those of a long file are read on a thread of their own.
-    pub(super) fn read<R: BufRead + Send>(
-        mut lines: LogicalLines<R>,
+    /// Reads all lines of the file at `path`, which has `length` bytes.
+    pub(super) fn read(
+        file: impl Read + Send,
         path: &'a Path,
         length: u64,
         access: &'a Access,
@@ -65,20 +67,20 @@ impl<'a> Statements<'a> {
             material: 0,
             recognised: false,
             count: 0,
+            lines: 0,
             held: 0,
             corners: Vec::new(),
             cutter: Cutter::for_file(length),
             origin: Origin::default(),
         };
-        if length < LONG || !statements.read_beside(&mut lines, warnings)? {
-            let mut more = true;
-            while more {
-                let mut batch = Batch::default();
-                let filled = batch.fill(&mut lines);
-                statements.add(&batch, warnings)?;
-                more = filled?;
-            }
-        }
+        let threads = if length < LONG { 1 } else { access.threads() };
+        blocks::for_each(file, path, threads, |batch, outcome| {
+            statements.add(batch, warnings)?;
+            outcome
+                .map_err(|error| Error { line: error.line.map(|line| line + statements.lines), ..error })?;
+            statements.lines += batch.lines;
+            Ok(())
+        })?;
         if statements.count > 0 && !statements.recognised {
             let remedy = "expected lines such as `v X Y Z` and `f 1 2 3`";
             return Err(Error::data(path, Some(1), "no OBJ statement in this file", remedy));
@@ -86,51 +88,20 @@ impl<'a> Statements<'a> {
         Ok(statements)
     }
 
-    /// Reads lines on another thread; `false`, and nothing is read, if the system has none.
-    fn read_beside<R: BufRead + Send>(
-        &mut self,
-        lines: &mut LogicalLines<R>,
-        warnings: &mut Warnings,
-    ) -> Result<bool, Error> {
-        std::thread::scope(|scope| {
-            let (sender, batches) = sync_channel(BATCHES);
-            let make = move || {
-                let mut more = true;
-                while more {
-                    let mut batch = Batch::default();
-                    let filled = batch.fill(lines);
-                    more = matches!(filled, Ok(true));
-                    // After an error the receiver is gone.
-                    if sender.send((batch, filled)).is_err() {
-                        return;
-                    }
-                }
-            };
-            if Builder::new().name("gnurt obj".into()).spawn_scoped(scope, make).is_err() {
-                return Ok(false);
-            }
-            for (batch, filled) in batches {
-                self.add(&batch, warnings)?;
-                filled?;
-            }
-            Ok(true)
-        })
-    }
-
     /// Adds the statements of a batch.
     fn add(&mut self, batch: &Batch, warnings: &mut Warnings) -> Result<(), Error> {
         let path = self.path;
-        for (line, statement) in batch.statements() {
-            let location = Location { path, line };
-            match statement {
-                Read::Position(position) => self.place(position, None, &location, warnings)?,
-                Read::Texcoord(texcoord) => self.lists.texcoords.push(texcoord),
-                Read::Normal(normal) => self.lists.normals.push(normal),
-                Read::Face(corners) => self.face(corners, &location, warnings)?,
-                Read::Text(text) => self.statement(&location, text, warnings)?,
-            }
-            self.recognised |= !matches!(statement, Read::Text(_));
+        for (line, run) in batch.runs() {
+            let location = Location { path, line: self.lines + line };
+            self.recognised |= !matches!(run, Run::Text(_));
             self.count += 1;
+            match run {
+                Run::Positions(positions) => self.place_all(positions, &location, warnings)?,
+                Run::Texcoords(texcoords) => self.lists.texcoords.extend_from_slice(texcoords),
+                Run::Normals(normals) => self.lists.normals.extend_from_slice(normals),
+                Run::Faces(faces, corners) => self.faces(faces, corners, &location, warnings)?,
+                Run::Text(text) => self.statement(&location, text, warnings)?,
+            }
         }
         self.hold()
     }
@@ -166,7 +137,7 @@ impl<'a> Statements<'a> {
             "f" | "fo" => {
                 let corners: Vec<WrittenCorner> =
                     values(rest).map(|token| corner(token, location)).collect::<Result<_, _>>()?;
-                self.face(&corners, location, warnings)?;
+                self.face(corners.into_iter(), location, warnings)?;
             }
             "l" | "p" => warnings.note(Oddity::PointsOrLines, location.path, Some(location.line), ""),
             "mtllib" => {
@@ -235,9 +206,58 @@ impl<'a> Statements<'a> {
         Ok(())
     }
 
+    /// Adds vertices without colours, one to a line.
+    fn place_all(
+        &mut self,
+        positions: &[[f64; 3]],
+        location: &Location<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<(), Error> {
+        let count = self.lists.positions.len();
+        if self.lists.colors.is_empty() && positions.len() < (NONE as usize).saturating_sub(count) {
+            self.origin.place_all(positions, &mut self.lists.positions);
+            return Ok(());
+        }
+        positions.iter().zip(location.line..).try_for_each(|(&position, line)| {
+            self.place(position, None, &Location { line, ..*location }, warnings)
+        })
+    }
+
+    /// Adds faces, one to a line.
+    fn faces(
+        &mut self,
+        faces: &[u32],
+        corners: &[PlainCorner],
+        location: &Location<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<(), Error> {
+        let lists = &self.lists;
+        let counts = [lists.positions.len(), lists.texcoords.len(), lists.normals.len()];
+        // Below this, an index that is missing is out of range like others.
+        let are_small = counts.iter().all(|&count| count < MISSING.unsigned_abs() as usize);
+        let counts = counts.map(|count| count as u32);
+        let written = |index: i32| (index != MISSING).then_some(i64::from(index));
+        let mut corners = corners;
+        for (&count, line) in faces.iter().zip(location.line..) {
+            let (face, rest) = corners.split_at(count as usize);
+            corners = rest;
+            if let &[a, b, c] = face
+                && are_small
+                && let Some(triangle) = plain_triangle([a, b, c], counts)
+            {
+                self.parts.add_triangle(self.material, triangle, &self.lists);
+                continue;
+            }
+            let face = face.iter().map(|corner| corner.map(written));
+            self.face(face, &Location { line, ..*location }, warnings)?;
+        }
+        Ok(())
+    }
+
+    #[inline]
     fn face(
         &mut self,
-        written: &[WrittenCorner],
+        written: impl Iterator<Item = WrittenCorner>,
         location: &Location<'_>,
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
@@ -245,7 +265,7 @@ impl<'a> Statements<'a> {
         corners.clear();
         let (mut texcoords, mut normals) = (true, true);
         let (mut bad_texcoord, mut bad_normal) = (false, false);
-        for &[v, t, n] in written {
+        for [v, t, n] in written {
             let position = resolve_position(v, self.lists.positions.len(), location)?;
             let texcoord = resolve(t, self.lists.texcoords.len());
             let normal = resolve(n, self.lists.normals.len());
@@ -277,6 +297,7 @@ impl<'a> Statements<'a> {
 }
 
 /// The location of a statement.
+#[derive(Clone, Copy)]
 struct Location<'a> {
     path: &'a Path,
     line: u64,
@@ -335,6 +356,20 @@ fn corner(token: &str, location: &Location<'_>) -> Result<WrittenCorner, Error> 
         }
     }
     Ok(indices)
+}
+
+/// The corners of a triangle that all exist, and have texture coordinates and normals all or none; `None` leaves others to the
+/// general way.
+#[inline]
+fn plain_triangle(written: [PlainCorner; 3], counts: [u32; 3]) -> Option<[Corner; 3]> {
+    let place = |index: i32, count: u32| {
+        let place = if index > 0 { index as u32 - 1 } else { count.wrapping_add(index as u32) };
+        if place < count { place } else { NONE }
+    };
+    let triangle = written.map(|[v, t, n]| [place(v, counts[0]), place(t, counts[1]), place(n, counts[2])]);
+    let has = |k: usize| triangle.iter().all(|corner| corner[k] != NONE);
+    let has_none = |k: usize| written.iter().all(|corner| corner[k] == MISSING);
+    (has(0) && (has(1) || has_none(1)) && (has(2) || has_none(2))).then_some(triangle)
 }
 
 fn resolve_position(index: Option<i64>, count: usize, location: &Location<'_>) -> Result<u32, Error> {

@@ -20,46 +20,81 @@ const LONGEST: usize = 16;
 /// Vertices by their keys.
 #[derive(Default)]
 pub(super) struct Vertices {
-    /// The last link of each position's chain, or [`NONE`].
-    heads: Vec<u32>,
+    /// The first link of each position's chain; its number is [`NONE`] where there is none.
+    heads: Vec<Link>,
+    /// The others.
     links: Vec<Link>,
     /// Those beyond long chains.
     others: HashMap<Key, u32>,
 }
 
+/// A vertex of a position.
+#[derive(Clone, Copy)]
 struct Link {
-    key: Key,
+    material: u32,
+    texcoord: u32,
+    normal: u32,
     number: u32,
+    /// The next link of the chain, or [`NONE`].
     next: u32,
+}
+
+impl Link {
+    const EMPTY: Self = Self { material: NONE, texcoord: NONE, normal: NONE, number: NONE, next: NONE };
+
+    #[inline]
+    fn is_of(&self, (material, [_, texcoord, normal]): Key) -> bool {
+        (self.material, self.texcoord, self.normal) == (material, texcoord, normal)
+    }
 }
 
 impl Vertices {
     /// About as many bytes as are held.
     pub(super) fn memory_bytes(&self) -> usize {
         // A table has a byte for each slot, an eighth of them empty.
-        4 * self.heads.capacity() + size_of::<Link>() * self.links.capacity() + 24 * self.others.capacity()
+        size_of::<Link>() * (self.heads.capacity() + self.links.capacity()) + 24 * self.others.capacity()
     }
 
-    /// The number of a key; a new one gets `next`.
-    pub(super) fn number(&mut self, key: Key, next: u32) -> u32 {
-        let position = key.1[0] as usize;
-        if self.heads.len() <= position {
-            self.heads.resize(position + 1, NONE);
+    /// Makes room for this many positions.
+    #[inline]
+    pub(super) fn extend(&mut self, positions: usize) {
+        if self.heads.len() < positions {
+            self.heads.resize(positions, Link::EMPTY);
         }
-        let mut at = self.heads[position];
-        let mut length = 0;
+    }
+
+    /// The number of a key, whose position there is room for; a new one gets `next`.
+    #[inline]
+    pub(super) fn number(&mut self, key: Key, next: u32) -> u32 {
+        let (material, [position, texcoord, normal]) = key;
+        let new = Link { material, texcoord, normal, number: next, next: NONE };
+        let head = &mut self.heads[position as usize];
+        if head.number == NONE {
+            *head = new;
+            return next;
+        }
+        if head.is_of(key) {
+            return head.number;
+        }
+        self.number_of_others(key, new)
+    }
+
+    fn number_of_others(&mut self, key: Key, new: Link) -> u32 {
+        let position = key.1[0] as usize;
+        let first = self.heads[position].next;
+        let (mut at, mut length) = (first, 1);
         while let Some(link) = self.links.get(at as usize) {
-            if link.key == key {
+            if link.is_of(key) {
                 return link.number;
             }
             (at, length) = (link.next, length + 1);
         }
         if length >= LONGEST || self.links.len() >= NONE as usize {
-            return *self.others.entry(key).or_insert(next);
+            return *self.others.entry(key).or_insert(new.number);
         }
-        self.links.push(Link { key, number: next, next: self.heads[position] });
-        self.heads[position] = (self.links.len() - 1) as u32;
-        next
+        self.heads[position].next = self.links.len() as u32;
+        self.links.push(Link { next: first, ..new });
+        new.number
     }
 }
 
@@ -70,6 +105,7 @@ mod tests {
     #[test]
     fn each_key_has_one_number() {
         let mut vertices = Vertices::default();
+        vertices.extend(7);
         let mut expected: HashMap<Key, u32> = HashMap::new();
         let mut random = 1_u32;
         for _ in 0..20_000 {
@@ -82,7 +118,7 @@ mod tests {
             let number = *expected.entry(key).or_insert(next);
             assert_eq!(vertices.number(key, next), number, "{key:?}");
         }
-        assert!(vertices.others.len() > 100 && vertices.links.len() == 7 * LONGEST, "both are used");
+        assert!(vertices.others.len() > 100 && vertices.links.len() == 7 * (LONGEST - 1), "both are used");
         assert!(vertices.memory_bytes() > 24 * vertices.links.len());
     }
 }

@@ -10,6 +10,7 @@ use std::path::Path;
 use super::columns::{Columns, Slot, Vertex};
 use super::header::{Element, Encoding, Header, Property, Scalar};
 use super::numbers::{Fault, Numbers};
+use super::rows::Rows;
 use crate::io::error::quoted;
 use crate::io::origin::Origin;
 use crate::io::polygon::Cutter;
@@ -17,6 +18,8 @@ use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 use gnurt_image::{Budget, Excess};
 
+/// Bytes of a row of which many are read at once.
+const LONGEST_ROW: usize = 1 << 12;
 /// Elements between charges of the budget.
 const ELEMENTS_BETWEEN: u64 = 1 << 12;
 
@@ -49,8 +52,8 @@ pub(super) fn read(
         }
         match (&element.name[..], corners) {
             ("vertex", _) => body.read_vertices(element)?,
-            ("face", Some(corners)) => body.read_faces(element, corners, header, Body::add_polygon)?,
-            ("tristrips", Some(corners)) => body.read_faces(element, corners, header, Body::add_strips)?,
+            ("face", Some(corners)) => body.read_faces(element, corners, header, Faces::Polygons)?,
+            ("tristrips", Some(corners)) => body.read_faces(element, corners, header, Faces::Strips)?,
             _ => body.skip(element)?,
         }
     }
@@ -79,6 +82,13 @@ fn is_corners(property: &Property) -> bool {
     property.count.is_some()
         && property.item.is_integer()
         && matches!(&property.name[..], "vertex_indices" | "vertex_index")
+}
+
+/// What the corners of an element are.
+#[derive(Clone, Copy, PartialEq)]
+enum Faces {
+    Polygons,
+    Strips,
 }
 
 /// A body during its conversion to a mesh.
@@ -164,11 +174,9 @@ impl<R: BufRead> Body<'_, R> {
         mesh.texcoords.reserve_exact(reserve(columns.texcoords));
         mesh.colors.reserve_exact(reserve(columns.colors));
         let slots: Vec<(Slot, &Property)> = element.properties.iter().map(|p| (Slot::of(p), p)).collect();
-        // Bytes of a vertex, where all have as many.
-        let has_lists = element.properties.iter().any(|property| property.count.is_some());
-        let size = if has_lists { 0 } else { element.least_bytes(Encoding::LittleEndian) };
-        for index in 0..element.count {
-            let read = read_vertex(&mut self.numbers, &slots, size);
+        let read_before = self.read_rows(element, columns)?;
+        for index in read_before..element.count {
+            let read = read_vertex(&mut self.numbers, &slots);
             let (vertex, is_whole) = read.map_err(|fault| self.fault(fault, element, index))?;
             self.note_short(is_whole);
             let mesh = &mut self.mesh;
@@ -180,31 +188,105 @@ impl<R: BufRead> Body<'_, R> {
         Ok(())
     }
 
+    /// Reads the vertices that are rows of bytes, all of one length, as long as the file has them; returns their number.
+    fn read_rows(&mut self, element: &Element, columns: Columns) -> Result<u64, Error> {
+        let rows = Rows::of(element, self.numbers.encoding());
+        let Some(rows) = rows.filter(|rows| (1..=LONGEST_ROW).contains(&rows.size)) else { return Ok(0) };
+        let mut done = 0;
+        while done < element.count {
+            self.numbers.read_ahead(rows.size).map_err(|fault| self.fault(fault, element, done))?;
+            let ahead = self.numbers.ahead();
+            let count = ((ahead.len() / rows.size) as u64).min(element.count - done);
+            if count == 0 {
+                break;
+            }
+            let bytes = count as usize * rows.size;
+            rows.add(&ahead[..bytes], columns, self.origin, &mut self.mesh);
+            self.numbers.step(bytes);
+            done += count;
+        }
+        Ok(done)
+    }
+
+    /// Reads the faces from `done` on that are triangles of indices of 32 bits that are there, and nothing else, as far as they were
+    /// read ahead; returns the number of all faces that were read.
+    fn read_triangles(&mut self, element: &Element, done: u64) -> Result<u64, Error> {
+        const TRIANGLE: usize = 13;
+        let [Property { count: Some(Scalar::U8), item, .. }] = &element.properties[..] else {
+            return Ok(done);
+        };
+        let most = match item {
+            Scalar::I32 => self.vertices.min(1 << 31) as u32,
+            Scalar::U32 => self.vertices.min(u32::MAX.into()) as u32,
+            _ => return Ok(done),
+        };
+        let is_big = match self.numbers.encoding() {
+            Encoding::Text => return Ok(done),
+            encoding => encoding == Encoding::BigEndian,
+        };
+        self.numbers.read_ahead(TRIANGLE).map_err(|fault| self.fault(fault, element, done))?;
+        let index = |bytes: &[u8]| {
+            let number = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+            if is_big { number.swap_bytes() } else { number }
+        };
+        let left = usize::try_from(element.count - done).unwrap_or(usize::MAX);
+        let mut read = 0;
+        for row in self.numbers.ahead().chunks_exact(TRIANGLE).take(left) {
+            let triangle = [1, 5, 9].map(|at| index(&row[at..at + 4]));
+            if row[0] != 3 || triangle.iter().any(|&index| index >= most) {
+                break;
+            }
+            self.mesh.indices.push(triangle);
+            read += 1;
+        }
+        self.numbers.step(read * TRIANGLE);
+        Ok(done + read as u64)
+    }
+
     /// Reads faces, whose corners are property number `corners`.
     fn read_faces(
         &mut self,
         element: &Element,
         corners: usize,
         header: &Header,
-        add: fn(&mut Self, u64) -> Result<(), Error>,
+        kind: Faces,
     ) -> Result<(), Error> {
         let triangles = likely_triangles(header, element, element.properties[corners].item);
         self.hold(triangles.saturating_mul(size_of::<[u32; 3]>()))?;
         self.mesh.indices.reserve_exact(triangles);
         self.held = self.face_bytes();
-        for index in 0..element.count {
+        let (mut index, mut charged) = (0, 0);
+        while index < element.count {
+            if kind == Faces::Polygons {
+                index = self.read_triangles(element, index)?;
+            }
+            if index == element.count {
+                break;
+            }
             let read = read_face(&mut self.numbers, element, corners, &mut self.corners);
             let is_whole = read.map_err(|fault| self.fault(fault, element, index))?;
             self.note_short(is_whole);
-            add(self, index)?;
+            match kind {
+                Faces::Polygons => self.add_polygon(index)?,
+                Faces::Strips => self.add_strips(index)?,
+            }
+            index += 1;
             // One list may be as long as the file.
-            if index.is_multiple_of(ELEMENTS_BETWEEN) || self.corners.len() > ELEMENTS_BETWEEN as usize {
-                let now = self.face_bytes();
-                self.hold(now.saturating_sub(self.held))?;
-                self.held = now.max(self.held);
+            if index - charged >= ELEMENTS_BETWEEN || self.corners.len() > ELEMENTS_BETWEEN as usize {
+                self.hold_faces()?;
+                charged = index;
             }
         }
+        self.hold_faces()?;
         self.mesh.indices.shrink_to_fit();
+        Ok(())
+    }
+
+    /// Charges the budget for what was taken since the last call.
+    fn hold_faces(&mut self) -> Result<(), Error> {
+        let now = self.face_bytes();
+        self.hold(now.saturating_sub(self.held))?;
+        self.held = now.max(self.held);
         Ok(())
     }
 
@@ -260,10 +342,8 @@ impl<R: BufRead> Body<'_, R> {
 fn read_vertex<R: BufRead>(
     numbers: &mut Numbers<'_, R>,
     slots: &[(Slot, &Property)],
-    size: u64,
 ) -> Result<(Vertex, bool), Fault> {
     numbers.begin()?;
-    numbers.read_ahead(size)?;
     let mut vertex = Vertex::NEUTRAL;
     let mut is_whole = true;
     for &(slot, property) in slots {

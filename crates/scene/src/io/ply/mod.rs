@@ -14,11 +14,12 @@ mod body;
 mod columns;
 mod header;
 mod numbers;
+mod rows;
 
 use std::io::BufReader;
 use std::path::Path;
 
-use super::clean::clean;
+use super::clean::clean_by;
 use super::format::{Format, SceneWriter};
 use super::origin::Origin;
 use super::save::ply as save;
@@ -81,7 +82,7 @@ fn mesh_of(
     header.check_length(path)?;
     let mut mesh = body::read(&mut input, &header, path, (&access.budget, origin), warnings)?;
     mesh.name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    clean(&mut mesh, path, warnings);
+    clean_by(&mut mesh, path, warnings, access.threads());
     Ok(mesh)
 }
 

@@ -44,8 +44,8 @@ pub(super) struct Numbers<'a, R> {
     at: usize,
 }
 
-/// Bytes that are read ahead at most.
-const AHEAD: u64 = 1 << 12;
+/// Bytes that are read ahead, if no element is longer.
+const AHEAD: usize = 1 << 16;
 
 impl<'a, R: BufRead> Numbers<'a, R> {
     /// Of a body that begins after this number of lines.
@@ -77,7 +77,7 @@ impl<'a, R: BufRead> Numbers<'a, R> {
                 Err(Fault::System(error)) => Err(error),
                 Err(_) => Ok(true),
             },
-            _ => Ok(!self.input.fill_buf()?.is_empty()),
+            _ => Ok(self.at < self.text.len() || !self.input.fill_buf()?.is_empty()),
         }
     }
 
@@ -122,7 +122,13 @@ impl<'a, R: BufRead> Numbers<'a, R> {
                 bytes.copy_from_slice(ahead);
                 self.at += N;
             }
-            None => self.input.read_exact(&mut bytes)?,
+            None => {
+                let ahead = self.text.len() - self.at;
+                bytes[..ahead].copy_from_slice(&self.text[self.at..]);
+                self.text.clear();
+                self.at = 0;
+                self.input.read_exact(&mut bytes[ahead..])?;
+            }
         }
         if self.encoding == Encoding::BigEndian {
             bytes.reverse();
@@ -130,15 +136,30 @@ impl<'a, R: BufRead> Numbers<'a, R> {
         Ok(bytes)
     }
 
-    /// Reads numbers of an encoding of bytes ahead that are to be read one by one: all `size` bytes, unless they are many.
-    /// Bytes that were read ahead before are used up.
-    pub(super) fn read_ahead(&mut self, size: u64) -> Result<(), Fault> {
-        if self.encoding != Encoding::Text && size <= AHEAD {
-            self.text.resize(size as usize, 0);
+    /// Reads at least this many bytes of an encoding of bytes ahead, where the file has as many.
+    pub(super) fn read_ahead(&mut self, size: usize) -> Result<(), Fault> {
+        if self.text.len() - self.at < size {
+            self.text.drain(..self.at);
             self.at = 0;
-            self.input.read_exact(&mut self.text)?;
+            let more = size.max(AHEAD) - self.text.len();
+            self.input.take(more as u64).read_to_end(&mut self.text)?;
         }
         Ok(())
+    }
+
+    /// The bytes that were read ahead.
+    pub(super) fn ahead(&self) -> &[u8] {
+        &self.text[self.at..]
+    }
+
+    /// Steps over bytes that were read ahead.
+    pub(super) fn step(&mut self, bytes: usize) {
+        self.at += bytes;
+    }
+
+    /// The encoding.
+    pub(super) fn encoding(&self) -> Encoding {
+        self.encoding
     }
 
     /// A number as a double, which holds each of them.
@@ -191,28 +212,20 @@ impl<'a, R: BufRead> Numbers<'a, R> {
         length: u64,
         into: &mut Vec<i64>,
     ) -> Result<(), Fault> {
-        self.read_ahead(length.saturating_mul(of_type.size() as u64))?;
-        let ahead = self.text.get(self.at..).unwrap_or_default();
-        if self.encoding == Encoding::LittleEndian && ahead.len() as u64 == 4 * length {
+        let bytes = usize::try_from(length).unwrap_or(usize::MAX).saturating_mul(4);
+        let is_usual =
+            self.encoding == Encoding::LittleEndian && matches!(of_type, Scalar::I32 | Scalar::U32);
+        if is_usual && bytes <= AHEAD {
             // The usual types at once.
-            let numbers = ahead.as_chunks::<4>().0.iter().copied();
-            match of_type {
-                Scalar::I32 => into.extend(numbers.map(|bytes| i64::from(i32::from_le_bytes(bytes)))),
-                Scalar::U32 => into.extend(numbers.map(|bytes| i64::from(u32::from_le_bytes(bytes)))),
-                _ => return self.integers_one_by_one(of_type, length, into),
+            self.read_ahead(bytes)?;
+            if let Some(ahead) = self.ahead().get(..bytes) {
+                let numbers = ahead.as_chunks::<4>().0.iter().map(|&bytes| u32::from_le_bytes(bytes));
+                let is_signed = of_type == Scalar::I32;
+                into.extend(numbers.map(|x| if is_signed { i64::from(x as i32) } else { i64::from(x) }));
+                self.at += bytes;
+                return Ok(());
             }
-            self.at = self.text.len();
-            return Ok(());
         }
-        self.integers_one_by_one(of_type, length, into)
-    }
-
-    fn integers_one_by_one(
-        &mut self,
-        of_type: Scalar,
-        length: u64,
-        into: &mut Vec<i64>,
-    ) -> Result<(), Fault> {
         (0..length).try_for_each(|_| {
             into.push(self.integer(of_type)?);
             Ok(())
@@ -240,6 +253,9 @@ impl<'a, R: BufRead> Numbers<'a, R> {
             self.at += bytes as usize;
             return Ok(());
         }
+        self.text.clear();
+        self.at = 0;
+        let bytes = bytes - ahead as u64;
         let skipped = std::io::copy(&mut self.input.take(bytes), &mut std::io::sink())?;
         if skipped == bytes { Ok(()) } else { Err(Fault::End) }
     }
