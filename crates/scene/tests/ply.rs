@@ -69,6 +69,62 @@ fn headers_of_all_kinds() {
     assert_eq!(mesh(text.replace('\n', "\r\n").as_bytes()), expected, "text with CRLF");
 }
 
+/// Rows and triangles that are read many at once, beside the text, whose elements are read one by one.
+#[test]
+fn long_files_are_read_alike() {
+    const SIDE: u32 = 150;
+    let header = |format: &str, faces: usize| {
+        let floats: String =
+            ["x", "y", "z", "nx", "ny", "nz"].map(|name| format!("property float {name}\n")).concat();
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex {}\n{floats}element face {faces}\n\
+             property list uchar int vertex_indices\nelement odd 2\nproperty short a\nend_header\n",
+            SIDE * SIDE
+        )
+    };
+    let mut faces: Vec<Vec<u32>> = Vec::new();
+    for i in (0..SIDE * (SIDE - 1)).filter(|i| i % SIDE + 1 < SIDE) {
+        let [a, b, c, d] = [i, i + 1, i + SIDE + 1, i + SIDE];
+        match i % 97 {
+            // Runs of triangles end here and there.
+            0 | 40 => faces.push(vec![a, b, c, d]),
+            _ => faces.extend([vec![a, b, c], vec![a, c, d]]),
+        }
+    }
+    let vertex =
+        |i: u32| [(i % SIDE) as f32 * 0.1, (i / SIDE) as f32 * 0.3, (i * i % 11) as f32, 0.0, 0.6, 0.8];
+    let mut text = header("ascii", faces.len());
+    for i in 0..SIDE * SIDE {
+        text += &format!("{}\n", vertex(i).map(|x| x.to_string()).join(" "));
+    }
+    for face in &faces {
+        text += &face.iter().fold(face.len().to_string(), |line, i| format!("{line} {i}"));
+        text.push('\n');
+    }
+    text += "1\n2\n";
+    let expected = mesh(text.as_bytes());
+    assert_eq!((expected.normals.len(), expected.positions.len()), (22500, 22500));
+    for (format, big) in [("binary_little_endian", false), ("binary_big_endian", true)] {
+        let mut file = header(format, faces.len()).into_bytes();
+        let number = |bits: u32| if big { bits.to_be_bytes() } else { bits.to_le_bytes() };
+        (0..SIDE * SIDE).flat_map(vertex).for_each(|x| file.extend(number(x.to_bits())));
+        for face in &faces {
+            file.push(face.len() as u8);
+            face.iter().for_each(|&i| file.extend(number(i)));
+        }
+        file.extend([0, 1, 0, 2]);
+        assert!(mesh(&file) == expected, "{format}");
+        let cut = &file[..file.len() - 10];
+        let why = load_named("t.ply", cut).err().map(|why| why.to_string()).unwrap_or_default();
+        assert!(why.contains("the file ends in `face`") || why.contains("bytes follow"), "{format}: {why}");
+        let at = file.len() - 4 - 12;
+        file[at..at + 4].copy_from_slice(&number(SIDE * SIDE));
+        let why = load_named("t.ply", &file).err().map(|why| why.to_string()).unwrap_or_default();
+        let expected = format!("vertex index 22500 out of range in face {}", faces.len() - 1);
+        assert!(why.contains(&expected), "{format}: {why}");
+    }
+}
+
 #[test]
 fn strips_turn_every_other_triangle() {
     let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\

@@ -85,6 +85,24 @@ impl<'a> Pictures<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::LoadOptions;
+
+    #[test]
+    fn exrs_are_the_same_by_any_threads() {
+        let (format, options) = (gnurt_image::PictureFormat::EXR, gnurt_image::WriteOptions::default());
+        let mut picture = gnurt_image::Picture::new(256, 300);
+        for (i, pixel) in picture.color.iter_mut().enumerate() {
+            *pixel = [i as f32 * 0.25, (i * i % 77) as f32, 3.0, 1.0];
+        }
+        let file = gnurt_image::encode(&picture, format, &options).expect("a picture");
+        let read = |threads: usize, meaning| {
+            let access = Access::new(&LoadOptions { threads, ..LoadOptions::default() }).expect("no folder");
+            Pictures::new(&access).decode(&file, "a.exr", meaning).expect("it was written")
+        };
+        for meaning in [Meaning::Color, Meaning::Data] {
+            assert!(read(1, meaning) == read(4, meaning), "{meaning:?}");
+        }
+    }
 
     #[test]
     fn short_files_do_not_fill_the_memory() {

@@ -78,6 +78,12 @@ mod tests {
                 assert!(calls.iter().all(|calls| calls.load(Ordering::Relaxed) == 1), "{threads} of {size}");
             }
         }
+        let seen = Mutex::new(std::collections::HashSet::new());
+        for_each(3, 1000, &|_| {
+            seen.lock().unwrap_or_else(PoisonError::into_inner).insert(std::thread::current().id());
+        });
+        let seen = seen.into_inner().unwrap_or_else(PoisonError::into_inner).len();
+        assert!((1..=3).contains(&seen), "{seen} threads");
         let from: Vec<u32> = (0..1_000_003).collect();
         let mut to = vec![0; from.len()];
         fill(3, &mut to, &from, &|to, from| to.iter_mut().zip(from).for_each(|(to, from)| *to = from + 1));

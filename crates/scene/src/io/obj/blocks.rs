@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Whole lines of an OBJ file in blocks, parsed on all threads and handed out in the order of the file.
 //! The thread that uses the batches parses blocks as well while it waits. A block ends behind a line that no backslash
-//! joins to the next one. Memory: a few blocks for each thread. Tests: `tests`, `tests/obj.rs::blocks_change_nothing`.
+//! joins to the next one. Memory: a few blocks for each thread. Tests: `tests`.
 
 use std::collections::VecDeque;
 use std::io::Read;

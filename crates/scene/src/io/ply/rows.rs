@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Vertices as rows of bytes, all of one length: many at once. Rows of floats alone, as most files have them, take the
-//! short way. Values are those of `Numbers`. Tests: `tests/ply.rs::{encodings_agree, rows_of_all_types}`.
+//! short way. Values are those of `Numbers`. Tests: `tests/ply.rs::{headers_of_all_kinds, long_files_are_read_alike}`.
 
 use super::columns::{Columns, Slot, Vertex};
 use super::header::{Element, Encoding, Scalar};
