@@ -112,7 +112,7 @@ fn pieces_and_views_have_the_same_colours() {
         assert_near(mean(&folder, "joined.exr"), expected(WorkingSpace::AcesCg), file);
     }
     folder.gnurt(&format!("{RENDER} --piece 1/2 -o 1.exr")).success();
-    folder.gnurt("join -q 1.exr 2.exr -o joined.exr").fails(3, "is of another picture");
+    folder.gnurt("join -q 1.exr 2.exr -o joined.exr").fails(1, "is of another picture");
     let line = line.replacen("render", "view", 1);
     for more in ["", "--frames 2 --orbit 0.01 --spp 1", "--rest 1"] {
         folder.gnurt(&format!("{line} --headless {more} -o v.exr")).success();
