@@ -94,7 +94,7 @@ struct Shared<'a, R> {
     most: usize,
 }
 
-/// What a thread found to do.
+/// The outcome of a try to parse.
 enum Step {
     Parsed,
     /// Enough blocks are parsed.

@@ -84,7 +84,7 @@ fn is_corners(property: &Property) -> bool {
         && matches!(&property.name[..], "vertex_indices" | "vertex_index")
 }
 
-/// What the corners of an element are.
+/// The kind of corners in an element.
 #[derive(Clone, Copy, PartialEq)]
 enum Faces {
     Polygons,
@@ -282,7 +282,7 @@ impl<R: BufRead> Body<'_, R> {
         Ok(())
     }
 
-    /// Charges the budget for what was taken since the last call.
+    /// Charges the budget for the memory taken since the last call.
     fn hold_faces(&mut self) -> Result<(), Error> {
         let now = self.face_bytes();
         self.hold(now.saturating_sub(self.held))?;
