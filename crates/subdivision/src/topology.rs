@@ -44,6 +44,14 @@ impl Faces {
     /// # Errors
     /// [`FacesError`]: the first mistake.
     pub fn new(counts: &[i32], corners: &[i32], vertices: usize) -> Result<Self, FacesError> {
+        Self::of(counts, corners.to_vec(), vertices)
+    }
+
+    /// The same of a list that is used further.
+    ///
+    /// # Errors
+    /// [`FacesError`]: the first mistake.
+    pub fn of(counts: &[i32], corners: Vec<i32>, vertices: usize) -> Result<Self, FacesError> {
         let mut starts = Vec::with_capacity(counts.len() + 1);
         let mut sum = 0_u64;
         starts.push(0);
@@ -60,7 +68,7 @@ impl Faces {
             let face = starts.partition_point(|&start| start as usize <= at) - 1;
             return Err(FacesError::OutOfRange { face, point: corners[at].into(), points: vertices });
         }
-        let corners = corners.iter().map(|&corner| corner as u32).collect();
+        let corners = corners.into_iter().map(|corner| corner as u32).collect();
         Ok(Self { starts, corners, vertices })
     }
 

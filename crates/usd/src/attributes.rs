@@ -105,7 +105,7 @@ impl Reader {
         fallback: &str,
     ) -> Option<Attribute> {
         let found = self.value(prim, name)?;
-        let (width, values) = value::floats(&found).filter(|(width, _)| widths.contains(width))?;
+        let (width, values) = value::into_floats(found).filter(|(width, _)| widths.contains(width))?;
         let interpolation = self.metadata(prim, name, "interpolation").as_ref().and_then(value::word);
         let interpolation = interpolation.unwrap_or_else(|| fallback.to_owned());
         let places = match &interpolation[..] {
@@ -123,9 +123,11 @@ impl Reader {
             }
         };
         let count = values.len() / width;
-        let indices = self.value(prim, &format!("{name}:indices")).as_ref().and_then(value::integers);
+        let indices = self.value(prim, &format!("{name}:indices")).and_then(value::into_integers);
         let elements: Vec<u32> = match indices {
-            Some(indices) => indices.iter().map(|&index| u32::try_from(index).unwrap_or(u32::MAX)).collect(),
+            Some(indices) => {
+                indices.into_iter().map(|index| u32::try_from(index).unwrap_or(u32::MAX)).collect()
+            }
             None => (0..count as u32).collect(),
         };
         let in_range = elements.iter().all(|&element| (element as usize) < count);

@@ -57,14 +57,14 @@ impl Builder<'_> {
     /// Points and faces, or a warning.
     pub(crate) fn polygons(&self, prim: &Path) -> Option<Polygons> {
         let reader = self.reader;
-        let points = reader.value(prim, "points").as_ref().and_then(value::vectors::<3>);
-        let counts = reader.value(prim, "faceVertexCounts").as_ref().and_then(value::integers);
-        let corners = reader.value(prim, "faceVertexIndices").as_ref().and_then(value::integers);
+        let points = reader.value(prim, "points").and_then(value::into_points);
+        let counts = reader.value(prim, "faceVertexCounts").and_then(value::into_integers);
+        let corners = reader.value(prim, "faceVertexIndices").and_then(value::into_integers);
         let (Some(points), Some(counts), Some(corners)) = (points, counts, corners) else {
             // A mesh without points is a place for some to come.
             return None;
         };
-        match Faces::new(&counts, &corners, points.len()) {
+        match Faces::of(&counts, corners, points.len()) {
             Ok(faces) if faces.is_empty() => None,
             Ok(faces) => Some(Polygons { points, faces }),
             Err(fault) => {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of attributes as plain numbers and words, whatever precision they are kept in. Tests: `tests/composition.rs`.
 
-use openusd::gf::f16;
+use openusd::gf::{Vec3f, f16};
 use openusd::sdf::Value;
 
 fn half(x: f16) -> f32 {
@@ -61,6 +61,14 @@ pub(crate) fn integers(value: &Value) -> Option<Vec<i32>> {
     }
 }
 
+/// The same; a list of 32 bits is not copied.
+pub(crate) fn into_integers(value: Value) -> Option<Vec<i32>> {
+    match value {
+        Value::IntVec(values) => Some(values),
+        other => integers(&other),
+    }
+}
+
 /// Whole numbers of 64 bits.
 pub(crate) fn long_integers(value: &Value) -> Option<Vec<i64>> {
     match value {
@@ -111,6 +119,32 @@ pub(crate) fn floats(value: &Value) -> Option<(usize, Vec<f32>)> {
         Value::Vec4h(v) => flat!([v], 4, x y z w, half),
         other => (1, vec![number(other)? as f32]),
     })
+}
+
+/// The same; lists of floats, also of two or three each, are not copied.
+pub(crate) fn into_floats(value: Value) -> Option<(usize, Vec<f32>)> {
+    match value {
+        Value::FloatVec(values) => Some((1, values)),
+        Value::Vec2fVec(values) => {
+            let pairs: Vec<[f32; 2]> = values.into_iter().map(|v| [v.x, v.y]).collect();
+            Some((2, pairs.into_flattened()))
+        }
+        Value::Vec3fVec(values) => Some((3, triples(values).into_flattened())),
+        other => floats(&other),
+    }
+}
+
+/// Groups of three numbers; lists of floats are not copied.
+pub(crate) fn into_points(value: Value) -> Option<Vec<[f32; 3]>> {
+    match value {
+        Value::Vec3fVec(values) => Some(triples(values)),
+        other => vectors(&other),
+    }
+}
+
+/// In the same memory.
+fn triples(values: Vec<Vec3f>) -> Vec<[f32; 3]> {
+    values.into_iter().map(|v| [v.x, v.y, v.z]).collect()
 }
 
 /// Groups of `N` numbers: an array of vectors, or one vector.
