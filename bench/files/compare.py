@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reading of scene files beside other readers, as medians of runs in turning order.
 
-    python3 bench/files/compare.py SCENES RIVALS [--rounds 7] [--json OUT]
+    python3 bench/files/compare.py SCENES RIVALS [--rounds 7] [--reads 5] [--json OUT]
 
 SCENES holds dragon/dragon.ply, breakfast-room/breakfast-room.obj and the others below; textures are left out, and each scene is
 converted to other formats by our writers. RIVALS holds rapidobj.hpp, miniply.{h,cpp} and cgltf.h. usd-core and numpy
-must be there for this Python. A run is a process that reads the file five times; its figure is the median.
+must be there for this Python. A run is a process that reads the file `--reads` times; its figure is the median.
 """
 
 import argparse
@@ -19,7 +19,6 @@ import tempfile
 
 HERE = pathlib.Path(__file__).parent
 SOURCES = ["breakfast-room/breakfast-room.obj", "white-room/white-room.obj", "conference/conference.obj", "dragon/dragon.ply"]
-READS = 5
 
 
 def run(command):
@@ -42,6 +41,7 @@ def main():
     parser.add_argument("scenes", type=pathlib.Path)
     parser.add_argument("rivals", type=pathlib.Path)
     parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--reads", type=int, default=5, help="readings in a process; 1: the first one, whose memory is new")
     parser.add_argument("--json", type=pathlib.Path)
     arguments = parser.parse_args()
 
@@ -62,17 +62,17 @@ def main():
                     run([ours, "convert", file, other])
                     files.append(other)
             for file in files:
-                readers = {"gnurt": [ours, "gnurt", file, READS]}
+                readers = {"gnurt": [ours, "gnurt", file, arguments.reads]}
                 match file.suffix:
                     case ".obj":
-                        readers["tobj"] = [ours, "tobj", file, READS]
-                        readers["rapidobj"] = [rivals, "rapidobj", file, READS]
+                        readers["tobj"] = [ours, "tobj", file, arguments.reads]
+                        readers["rapidobj"] = [rivals, "rapidobj", file, arguments.reads]
                     case ".ply":
-                        readers["miniply"] = [rivals, "miniply", file, READS]
+                        readers["miniply"] = [rivals, "miniply", file, arguments.reads]
                     case ".glb":
-                        readers["cgltf"] = [rivals, "cgltf", file, READS]
+                        readers["cgltf"] = [rivals, "cgltf", file, arguments.reads]
                     case _:
-                        readers["usd-core"] = [sys.executable, HERE / "usd.py", file, READS]
+                        readers["usd-core"] = [sys.executable, HERE / "usd.py", file, arguments.reads]
                 seconds = {reader: [] for reader in readers}
                 triangles = {}
                 names = list(readers)
