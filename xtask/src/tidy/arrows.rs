@@ -169,7 +169,7 @@ mod tests {
     fn the_printed_table_must_be_equal() {
         assert_eq!(check_printed(&printed()), Vec::<String>::new(), "the same table");
         for (from, to) in [
-            ("| scene | image |", "| scene | image, accel |"),
+            ("| scene | image, subdivision |", "| scene | image, accel |"),
             ("| plugins | gnurt | x |\n", ""),
             ("| cli |", "| jit |"),
             ("| crate |", "| x |"),
