@@ -509,6 +509,12 @@ fn gltf_lists_what_it_uses() {
         document["extensionsUsed"],
         serde_json::json!(["KHR_materials_ior", "KHR_materials_specular"])
     );
+    let views = document["bufferViews"].as_array().expect("views");
+    assert!(
+        views.iter().all(|view| [34962, 34963].contains(&view["target"].as_u64().unwrap_or(0))),
+        "{text}"
+    );
+    assert!(!text.contains("\"matrix\""), "no node moves anything: {text}");
     let mut empty = scene_of([of(plastic(0.5, 1.5))]);
     let nothing = empty.add_object_of("nothing", vec![]);
     empty.instantiate(nothing, Affine::IDENTITY);

@@ -8,6 +8,9 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_BYTE: u32 = 5121;
 const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
+/// What a view is for: `bufferView.target`, as graphics programs have it.
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
 
 /// Bytes, and the JSON that describes them.
 #[derive(Default)]
@@ -75,10 +78,21 @@ impl Buffer {
     pub(super) fn add_indices(&mut self, triangles: &[[u32; 3]]) -> usize {
         let bytes: Vec<u8> = triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
         let view = self.add_bytes(&bytes);
+        self.views[view]["target"] = INDICES.into();
         let count = 3 * triangles.len();
         self.add_accessor(
             json!({ "bufferView": view, "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR" }),
         )
+    }
+
+    /// Says of the views of accessors, by name, that they hold attributes of vertices.
+    pub(super) fn mark_attributes(&mut self, accessors: &Value) {
+        for accessor in accessors.as_object().into_iter().flat_map(|named| named.values()) {
+            let view = accessor.as_u64().and_then(|n| self.accessors[n as usize]["bufferView"].as_u64());
+            if let Some(view) = view {
+                self.views[view as usize]["target"] = VERTICES.into();
+            }
+        }
     }
 
     fn add_accessor(&mut self, accessor: Value) -> usize {

@@ -71,6 +71,8 @@ fn primitive(mesh: &Mesh, body: Option<&Body>, buffer: &mut Buffer) -> Value {
         put_joints(mesh, body, &mut attributes, buffer);
     }
     let indices = buffer.add_indices(&mesh.indices);
+    let attributes = Value::Object(attributes);
+    buffer.mark_attributes(&attributes);
     let mut made = json!({ "attributes": attributes, "indices": indices, "material": mesh.material.0 });
     if let Some(body) = body.filter(|body| !body.morphs.is_empty()) {
         let count = mesh.positions.len();
@@ -82,6 +84,7 @@ fn primitive(mesh: &Mesh, body: Option<&Body>, buffer: &mut Buffer) -> Value {
                     target[name] = buffer.add_floats("VEC3", &deltas.to_vec(count)).into();
                 }
             }
+            buffer.mark_attributes(&target);
             target
         });
         made["targets"] = targets.collect();

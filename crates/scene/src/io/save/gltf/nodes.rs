@@ -253,7 +253,9 @@ pub(super) fn put_into_group(node: &mut Value, scene: &Scene, shining: Shining) 
 }
 
 fn with_matrix(mut node: Value, matrix: &Affine) -> Value {
-    node["matrix"] = json!(matrix.to_column_major());
+    if *matrix != Affine::IDENTITY {
+        node["matrix"] = json!(matrix.to_column_major());
+    }
     node
 }
 
