@@ -5,6 +5,7 @@
 //! Tests: `tests/{broken_files,mutations,benchmark_scenes}.rs`.
 
 mod clean;
+mod corner_numbers;
 mod error;
 mod format;
 mod gltf;

@@ -4,6 +4,7 @@
 //! it takes memory, and notes oddities in [`Warnings`](super::Warnings). Tests: `tests/ply.rs`.
 
 pub use super::clean::{clean, clean_by};
+pub use super::corner_numbers::CornerNumbers;
 pub use super::error::quoted;
 pub use super::ply::{read_mesh as read_ply_mesh, read_mesh_from as read_ply_mesh_from};
 pub use super::polygon::Cutter;

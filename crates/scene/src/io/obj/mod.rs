@@ -19,7 +19,6 @@ mod normals;
 mod parts;
 mod plain;
 mod statements;
-mod vertices;
 
 use std::io::Read;
 use std::path::Path;

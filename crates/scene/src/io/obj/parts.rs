@@ -10,14 +10,20 @@ use std::sync::{Mutex, PoisonError};
 
 use gnurt_image::srgb;
 
-use super::vertices::{Corner, NONE, Vertices};
 use crate::id::MaterialId;
 use crate::io::clean::clean_by;
+use crate::io::corner_numbers::CornerNumbers;
 use crate::io::polygon::Cutter;
 use crate::io::threads::for_each;
 use crate::io::{Oddity, Warnings};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
+
+/// Represents a missing texture coordinate or normal.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Indices of a corner's position, texture coordinate and normal in the lists, from 0.
+pub(super) type Corner = [u32; 3];
 
 /// The elements listed by `v`, `vt` and `vn` statements.
 #[derive(Default)]
@@ -44,13 +50,32 @@ struct Part {
     triangles: Vec<[u32; 3]>,
 }
 
+impl Part {
+    #[inline]
+    fn memory_bytes(&self) -> usize {
+        size_of::<Corner>() * (self.vertices.capacity() + self.triangles.capacity())
+    }
+
+    /// The vertex of a corner; a new one is added.
+    #[inline]
+    fn number(&mut self, vertices: &mut CornerNumbers<3>, material: usize, corner: Corner) -> u32 {
+        let next = self.vertices.len() as u32;
+        let [position, texcoord, normal] = corner;
+        let vertex = vertices.number(position, [material as u32, texcoord, normal], next);
+        if vertex == next {
+            self.vertices.push(corner);
+        }
+        vertex
+    }
+}
+
 /// The faces of all materials.
 #[derive(Default)]
 pub(super) struct Parts {
     /// By the materials' numbers.
     parts: Vec<Part>,
-    /// Vertices by part and corner.
-    vertices: Vertices,
+    /// Vertices by position, part, texture coordinate and normal.
+    vertices: CornerNumbers<3>,
     /// The vertices of one face.
     ring: Vec<u32>,
     bytes: usize,
@@ -62,25 +87,24 @@ impl Parts {
         self.bytes + self.parts.capacity() * size_of::<Part>() + self.vertices.memory_bytes()
     }
 
-    /// Adds a face of three corners.
+    /// Makes room for the faces of a material.
     #[inline]
-    pub(super) fn add_triangle(&mut self, material: usize, corners: [Corner; 3], lists: &Lists) {
+    fn make_room(&mut self, material: usize, lists: &Lists) {
         if self.parts.len() <= material {
             self.parts.resize_with(material + 1, Part::default);
         }
-        let part = &mut self.parts[material];
-        let before = part.vertices.capacity() + part.triangles.capacity();
         self.vertices.extend(lists.positions.len());
-        let triangle = corners.map(|corner| {
-            let next = part.vertices.len() as u32;
-            let vertex = self.vertices.number((material as u32, corner), next);
-            if vertex == next {
-                part.vertices.push(corner);
-            }
-            vertex
-        });
+    }
+
+    /// Adds a face of three corners.
+    #[inline]
+    pub(super) fn add_triangle(&mut self, material: usize, corners: [Corner; 3], lists: &Lists) {
+        self.make_room(material, lists);
+        let part = &mut self.parts[material];
+        let before = part.memory_bytes();
+        let triangle = corners.map(|corner| part.number(&mut self.vertices, material, corner));
         part.triangles.push(triangle);
-        self.bytes += size_of::<Corner>() * (part.vertices.capacity() + part.triangles.capacity() - before);
+        self.bytes += part.memory_bytes() - before;
     }
 
     /// Adds a face of at least three corners, cut into triangles.
@@ -91,26 +115,15 @@ impl Parts {
         lists: &Lists,
         cutter: &mut Cutter,
     ) {
-        if self.parts.len() <= material {
-            self.parts.resize_with(material + 1, Part::default);
-        }
+        self.make_room(material, lists);
         let part = &mut self.parts[material];
-        let before = part.vertices.capacity() + part.triangles.capacity();
-        self.vertices.extend(lists.positions.len());
-        let mut number = |&corner: &Corner| {
-            let next = part.vertices.len() as u32;
-            let vertex = self.vertices.number((material as u32, corner), next);
-            if vertex == next {
-                part.vertices.push(corner);
-            }
-            vertex
-        };
+        let before = part.memory_bytes();
         self.ring.clear();
-        self.ring.extend(corners.iter().map(&mut number));
+        self.ring.extend(corners.iter().map(|&corner| part.number(&mut self.vertices, material, corner)));
         let ring = &self.ring;
         let position = |k: usize| lists.positions[corners[k][0] as usize];
         cutter.cut(ring.len(), position, |triangle| part.triangles.push(triangle.map(|k| ring[k])));
-        self.bytes += size_of::<Corner>() * (part.vertices.capacity() + part.triangles.capacity() - before);
+        self.bytes += part.memory_bytes() - before;
     }
 
     /// The meshes that have triangles, cleaned; `materials` are those of the scene by their numbers.
