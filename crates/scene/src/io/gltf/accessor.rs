@@ -27,10 +27,7 @@ pub(super) fn floats<const N: usize>(
     }
     let mut values = vec![[0.0; N]; reader.count];
     if let Some(bytes) = reader.packed(ComponentType::F32, N)? {
-        let threads = document.access.threads();
-        fill(threads, values.as_flattened_mut(), bytes.as_chunks::<4>().0, &|to, from| {
-            to.iter_mut().zip(from).for_each(|(slot, bytes)| *slot = f32::from_le_bytes(*bytes));
-        });
+        fill_words(document, values.as_flattened_mut(), bytes, f32::from_le_bytes);
         return Ok(values);
     }
     let size = size_of_component(reader.component);
@@ -74,10 +71,15 @@ pub(super) fn packed_triangles(
     let reader = Reader::new(document, index, location, None)?;
     let Some(bytes) = reader.packed(ComponentType::U32, 1)? else { return Ok(None) };
     let mut triangles = vec![[0; 3]; reader.count / 3];
-    fill(document.access.threads(), triangles.as_flattened_mut(), bytes.as_chunks::<4>().0, &|to, from| {
-        to.iter_mut().zip(from).for_each(|(slot, bytes)| *slot = u32::from_le_bytes(*bytes));
-    });
+    fill_words(document, triangles.as_flattened_mut(), bytes, u32::from_le_bytes);
     Ok(Some(triangles))
+}
+
+/// Reads packed values of four bytes.
+fn fill_words<T: Send>(document: &Document<'_>, values: &mut [T], bytes: &[u8], value: fn([u8; 4]) -> T) {
+    fill(document.access.threads(), values, bytes.as_chunks::<4>().0, &|to, from| {
+        to.iter_mut().zip(from).for_each(|(slot, bytes)| *slot = value(*bytes));
+    });
 }
 
 /// Reads an accessor of one unsigned integer each.
@@ -93,9 +95,7 @@ fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec
     }
     let mut values = vec![0; reader.count];
     if let Some(bytes) = reader.packed(ComponentType::U32, 1)? {
-        fill(document.access.threads(), &mut values, bytes.as_chunks::<4>().0, &|to, from| {
-            to.iter_mut().zip(from).for_each(|(slot, bytes)| *slot = u32::from_le_bytes(*bytes));
-        });
+        fill_words(document, &mut values, bytes, u32::from_le_bytes);
         return Ok(values);
     }
     if let Some(bytes) = reader.packed(ComponentType::U16, 1)? {

@@ -83,7 +83,8 @@ struct Queue {
     /// No block is to be begun any more: the file is over, or the user of the batches is gone.
     is_closed: bool,
     /// Memory to use again.
-    spare: Vec<(Vec<u8>, Batch)>,
+    spare_bytes: Vec<Vec<u8>>,
+    spare_batches: Vec<Batch>,
 }
 
 struct Shared<'a, R> {
@@ -160,7 +161,7 @@ impl<R: Read> Shared<'_, R> {
             if queue.parsed.len() >= self.most {
                 return Step::Full;
             }
-            queue.spare.pop().unwrap_or_default()
+            (queue.spare_bytes.pop().unwrap_or_default(), queue.spare_batches.pop().unwrap_or_default())
         };
         let read = blocks.next(&mut bytes);
         let is_first = blocks.count == 1;
@@ -185,8 +186,7 @@ impl<R: Read> Shared<'_, R> {
         let mut queue = self.lock();
         let slot = number - queue.used;
         queue.parsed[slot] = Some((batch, outcome));
-        // Its bytes are free, its batch is not.
-        queue.spare.push((bytes, Batch::default()));
+        queue.spare_bytes.push(bytes);
         drop(queue);
         self.changed.notify_all();
         Step::Parsed
@@ -203,13 +203,9 @@ impl<R: Read> Shared<'_, R> {
                 queue.used += 1;
                 drop(queue);
                 self.changed.notify_all();
-                let Some((mut batch, outcome)) = parsed else { continue };
+                let Some((batch, outcome)) = parsed else { continue };
                 with(&batch, outcome)?;
-                batch.clear();
-                let mut queue = self.lock();
-                if let Some(spare) = queue.spare.last_mut() {
-                    spare.1 = batch;
-                }
+                self.lock().spare_batches.push(batch);
                 continue;
             }
             // The panic goes on where the threads are joined.
