@@ -33,60 +33,47 @@ fn run_on_embree(binary: &Path) {
     }
 }
 
-#[test]
-fn calls_of_embree() {
+/// Runs a program in C on our library and on Embree's.
+fn run_c(name: &str) {
     let workshop = workshop();
-    let binary = workshop.build("cc", "c11", "embree/tests/c/embree.c");
+    let binary = workshop.build("cc", "c11", &format!("embree/tests/c/{name}"));
     workshop.run(&binary, &[]);
     run_on_embree(&binary);
+}
+
+#[test]
+fn calls_of_embree() {
+    run_c("embree.c");
 }
 
 #[test]
 fn motion() {
-    let workshop = workshop();
-    let binary = workshop.build("cc", "c11", "embree/tests/c/motion.c");
-    workshop.run(&binary, &[]);
-    run_on_embree(&binary);
+    run_c("motion.c");
 }
 
 #[test]
 fn collisions() {
-    let workshop = workshop();
-    let binary = workshop.build("cc", "c11", "embree/tests/c/collide.c");
-    workshop.run(&binary, &[]);
-    run_on_embree(&binary);
+    run_c("collide.c");
 }
 
 #[test]
 fn subdivision_surfaces() {
-    let workshop = workshop();
-    let binary = workshop.build("cc", "c11", "embree/tests/c/subdivision.c");
-    workshop.run(&binary, &[]);
-    run_on_embree(&binary);
+    run_c("subdivision.c");
 }
 
 #[test]
 fn grids() {
-    let workshop = workshop();
-    let binary = workshop.build("cc", "c11", "embree/tests/c/grids.c");
-    workshop.run(&binary, &[]);
-    run_on_embree(&binary);
+    run_c("grids.c");
 }
 
 #[test]
 fn cones() {
-    let workshop = workshop();
-    let binary = workshop.build("cc", "c11", "embree/tests/c/cones.c");
-    workshop.run(&binary, &[]);
-    run_on_embree(&binary);
+    run_c("cones.c");
 }
 
 #[test]
 fn hierarchies_of_programs() {
-    let workshop = workshop();
-    let binary = workshop.build("cc", "c11", "embree/tests/c/build.c");
-    workshop.run(&binary, &[]);
-    run_on_embree(&binary);
+    run_c("build.c");
 }
 
 #[test]

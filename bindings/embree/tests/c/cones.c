@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Cones by the calls of Embree, against points along rays: whether each is inside says where the ray goes in and out. Runs on Embree's own
  * library as well, with an argument. */
-#include <gnurt/embree.h>
+#include "scenes.h"
 
-#include "check.h"
-
-static RTCDevice device;
 static bool is_ours;
 
 enum { CONES = 12 };
@@ -23,24 +20,7 @@ static RTCScene scene_of(int steps, int count, const unsigned char *flags)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, indices, 0, 4, count);
     if (flags)
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FLAGS, 0, RTC_FORMAT_UCHAR, flags, 0, 1, count);
-    RTCScene scene = rtcNewScene(device);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    return scene;
-}
-
-static struct RTCRayHit shot(RTCScene scene, const float org[3], const float dir[3], float time)
-{
-    struct RTCRayHit all;
-    memset(&all, 0, sizeof all);
-    memcpy(&all.ray.org_x, org, 12);
-    memcpy(&all.ray.dir_x, dir, 12);
-    all.ray.tfar = INFINITY, all.ray.mask = -1, all.ray.time = time;
-    all.hit.geomID = all.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &all, NULL);
-    return all;
+    return committed(geometry);
 }
 
 /* How deep a point is in a cone at a time: negative outside; and how far along. */
@@ -93,7 +73,7 @@ static void rays(int steps)
             for (int k = 0; k < 3; k++)
                 dir[k] /= length;
         }
-        struct RTCRayHit hit = shot(scene, org, dir, time);
+        struct RTCRayHit hit = shot_along(scene, org, dir, time);
         bool is_hit = hit.hit.geomID == 0, first = true, start = false;
         double change = INFINITY;
         for (int step = 0; step <= 3000 && isinf(change); step++) {
@@ -142,14 +122,14 @@ static void caps(void)
     indices[0] = 0, indices[1] = 1, indices[2] = 2;
     for (unsigned char flag = 0; flag < 4; flag++) {
         RTCScene scene = scene_of(1, 1, &flag);
-        CHECK(near(shot(scene, middle, back, 0).ray.tfar, 1, 1e-5) == !(flag & 1), "flags %d: the first end", flag);
-        CHECK(near(shot(scene, middle, axis, 0).ray.tfar, 1, 1e-5) == !(flag & 2), "flags %d: the second end", flag);
+        CHECK(near(shot_along(scene, middle, back, 0).ray.tfar, 1, 1e-5) == !(flag & 1), "flags %d: the first end", flag);
+        CHECK(near(shot_along(scene, middle, axis, 0).ray.tfar, 1, 1e-5) == !(flag & 2), "flags %d: the second end", flag);
         rtcReleaseScene(scene);
     }
     RTCScene scene = scene_of(1, 3, NULL);
-    struct RTCRayHit hit = shot(scene, middle, axis, 0);
+    struct RTCRayHit hit = shot_along(scene, middle, axis, 0);
     CHECK(near(hit.ray.tfar, 5, 1e-5) && hit.hit.primID == 2 && hit.hit.u == 1 && hit.hit.Ng_x > 0, "the last end of three");
-    hit = shot(scene, middle, back, 0);
+    hit = shot_along(scene, middle, back, 0);
     CHECK(near(hit.ray.tfar, 1, 1e-5) && hit.hit.primID == 0 && hit.hit.u == 0 && hit.hit.Ng_x < 0, "the first");
     struct RTCBounds bounds;
     rtcGetSceneBounds(scene, &bounds);
@@ -161,7 +141,7 @@ static void caps(void)
     ends[0][0][3] = -1, ends[0][2][0] = NAN, indices[2] = 4000000000u;
     scene = scene_of(1, 3, NULL);
     CHECK(rtcGetDeviceError(device) == RTC_ERROR_NONE, "no error");
-    CHECK(shot(scene, middle, axis, 0).hit.geomID != 0, "nothing is left");
+    CHECK(shot_along(scene, middle, axis, 0).hit.geomID != 0, "nothing is left");
     rtcReleaseScene(scene);
 }
 

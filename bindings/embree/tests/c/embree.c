@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the calls of Embree do, checked by the definition. Runs on Embree's own library as well, with an argument: which errors
  * there are, and when, is ours. */
-#include <gnurt/embree.h>
+#include "scenes.h"
 
-#include "check.h"
-
-static RTCDevice device;
 static int reported;
 
 static void on_error(void *user, enum RTCError code, const char *message)
@@ -32,16 +29,6 @@ static struct RTCRayHit ray(float ox, float oy, float oz, float dx, float dy, fl
     all.ray.mask = -1;
     all.hit.geomID = all.hit.primID = all.hit.instID[0] = all.hit.instPrimID[0] = RTC_INVALID_GEOMETRY_ID;
     return all;
-}
-
-static RTCScene committed(RTCGeometry geometry)
-{
-    RTCScene scene = rtcNewScene(device);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    return scene;
 }
 
 enum { TRIANGLES = 300, RAYS = 600 };

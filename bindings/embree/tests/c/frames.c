@@ -5,7 +5,7 @@
 #include <stdalign.h>
 #include <stdint.h>
 
-#include "check.h"
+#include "scenes.h"
 
 #define LAYOUT(type, size, alignment)                                                                                 \
     _Static_assert(sizeof(struct type) == size && alignof(struct type) == alignment, #type)
@@ -29,7 +29,6 @@ LAYOUT(RTCPointQueryContext, 144, 16);
 LAYOUT(RTCPointQueryFunctionArguments, 48, 16);
 LAYOUT(RTCInterpolateArguments, 88, 8);
 
-static RTCDevice device;
 
 static struct RTCRayHit ray(float x, float y, float z)
 {
@@ -52,16 +51,6 @@ static RTCGeometry floors(int count)
         indices[i] = i;
     }
     return mesh;
-}
-
-static RTCScene committed(RTCGeometry geometry)
-{
-    RTCScene scene = rtcNewScene(device);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    return scene;
 }
 
 /* Rows of a packet of N. */

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Grids by the calls of Embree, against the same surface as quads; values along curves against closed forms. Runs on Embree's own
  * library as well, with an argument: errors are ours. */
-#include <gnurt/embree.h>
+#include "scenes.h"
 
-#include "check.h"
-
-static RTCDevice device;
 static bool is_ours;
 
 enum { GRIDS = 5, VERTICES = 600, STEPS = 2 };
@@ -55,12 +52,8 @@ static RTCScene scene_of(bool is_grid, int steps, RTCGeometry *keep)
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, grids, 0, sizeof grids[0], GRIDS);
     else
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, quads, 0, 16, quad_count);
-    RTCScene scene = rtcNewScene(device);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcCommitScene(scene);
     *keep = geometry;
-    return scene;
+    return committed_with(geometry);
 }
 
 static bool near(double a, double b, double off) { return fabs(a - b) <= off; }

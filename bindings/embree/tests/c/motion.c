@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Motion by the calls of Embree, checked by closed forms and, for meshes, against a static scene at each time. Runs on
  * Embree's own library as well, with an argument: which errors there are is ours. */
-#include <gnurt/embree.h>
+#include "scenes.h"
 
-#include "check.h"
-
-static RTCDevice device;
 static bool is_ours;
 
 static struct RTCRayHit ray(float ox, float oy, float oz, float dx, float dy, float dz, float time)
@@ -35,16 +32,6 @@ static float down(RTCScene scene, float x, float y, float time)
 }
 
 static int near(double a, double b) { return (isinf(a) && isinf(b)) || fabs(a - b) < 1e-4; }
-
-static RTCScene committed(RTCGeometry geometry)
-{
-    RTCScene scene = rtcNewScene(device);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    return scene;
-}
 
 enum { STEPS = 3, TRIANGLES = 200 };
 static float keys[STEPS][3 * TRIANGLES][4];

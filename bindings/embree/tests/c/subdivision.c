@@ -4,29 +4,14 @@
 #include <gnurt/embree.h>
 #include <stdint.h>
 
-#include "check.h"
+#include "scenes.h"
 
-static RTCDevice device;
 static bool is_ours;
-
-static struct RTCRayHit shot(RTCScene scene, const float org[3], const float dir[3], float time)
-{
-    struct RTCRayHit all;
-    memset(&all, 0, sizeof all);
-    memcpy(&all.ray.org_x, org, 12);
-    memcpy(&all.ray.dir_x, dir, 12);
-    all.ray.tfar = INFINITY;
-    all.ray.time = time;
-    all.ray.mask = -1;
-    all.hit.geomID = all.hit.primID = all.hit.instID[0] = all.hit.instPrimID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &all, NULL);
-    return all;
-}
 
 static struct RTCRayHit down(RTCScene scene, float x, float y, float time)
 {
     const float org[3] = { x, y, 10 }, dir[3] = { 0, 0, -1 };
-    return shot(scene, org, dir, time);
+    return shot_along(scene, org, dir, time);
 }
 
 static bool near(double a, double b, double off) { return fabs(a - b) <= off; }
@@ -57,16 +42,6 @@ static RTCGeometry geometry_of(const struct mesh *mesh)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, mesh->counts, 0, 4, mesh->faces);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, mesh->indices, 0, 4, mesh->corners);
     return geometry;
-}
-
-/* The geometry stays the caller's. */
-static RTCScene committed(RTCGeometry geometry)
-{
-    RTCScene scene = rtcNewScene(device);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcCommitScene(scene);
-    return scene;
 }
 
 /* A sheet of 4 x 4 faces: 5 x 5 vertices. */
@@ -122,7 +97,7 @@ static void splines(void)
     static const int orders[6][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 }, { 2, 0 }, { 0, 2 }, { 1, 1 } };
     RTCGeometry geometry = geometry_of(&sheet);
     rtcSetGeometryTessellationRate(geometry, 8);
-    RTCScene scene = committed(geometry);
+    RTCScene scene = committed_with(geometry);
     int wrong = 0, hits = 0, places = 0;
     for (int y = 1; y < 3; y++)
         for (int x = 1; x < 3; x++)
@@ -178,7 +153,7 @@ static double off(RTCGeometry geometry, const struct RTCRayHit *hit)
 /* From inside, all rays hit, and parameters are those of the place. */
 static void inside(RTCGeometry geometry, const char *what, double most)
 {
-    RTCScene scene = committed(geometry);
+    RTCScene scene = committed_with(geometry);
     int hits = 0;
     double worst = 0;
     for (int i = 0; i < 4000; i++) {
@@ -189,7 +164,7 @@ static void inside(RTCGeometry geometry, const char *what, double most)
             dir[2] = 1;
         if (i % 2)
             org[0] = org[1] = org[2] = 0;
-        struct RTCRayHit hit = shot(scene, org, dir, 0);
+        struct RTCRayHit hit = shot_along(scene, org, dir, 0);
         hits += hit.hit.geomID == 0;
         if (hit.hit.geomID == 0) {
             double found = off(geometry, &hit);
@@ -263,7 +238,7 @@ static void creases(void)
     RTCGeometry box = geometry_of(&cube);
     rtcSetSharedGeometryBuffer(box, RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, 0, RTC_FORMAT_UINT2, edges, 0, 8, 12);
     rtcSetSharedGeometryBuffer(box, RTC_BUFFER_TYPE_EDGE_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, weights, 0, 4, 12);
-    RTCScene scene = committed(box);
+    RTCScene scene = committed_with(box);
     struct RTCBounds bounds;
     rtcGetSceneBounds(scene, &bounds);
     CHECK(near(bounds.upper_x, 1, 1e-4) && near(bounds.lower_y, -1, 1e-4), "sharp edges keep a box");
@@ -273,7 +248,7 @@ static void creases(void)
     box = geometry_of(&cube);
     rtcSetSharedGeometryBuffer(box, RTC_BUFFER_TYPE_VERTEX_CREASE_INDEX, 0, RTC_FORMAT_UINT, corners, 0, 4, 7);
     rtcSetSharedGeometryBuffer(box, RTC_BUFFER_TYPE_VERTEX_CREASE_WEIGHT, 0, RTC_FORMAT_FLOAT, corner_weights, 0, 4, 7);
-    scene = committed(box);
+    scene = committed_with(box);
     float jet[6][4];
     between(box, 0, 0, 0, RTC_BUFFER_TYPE_VERTEX, 0, jet, 3);
     CHECK(near(jet[0][0], -1, 1e-4) && near(jet[0][2], 1, 1e-4), "a sharp vertex stays");
@@ -294,7 +269,7 @@ static void modes(void)
         RTCGeometry geometry = geometry_of(&quad);
         rtcSetGeometrySubdivisionMode(geometry, 0, (enum RTCSubdivisionMode)mode);
         rtcSetGeometryTessellationRate(geometry, 8);
-        RTCScene scene = committed(geometry);
+        RTCScene scene = committed_with(geometry);
         float jet[6][4];
         between(geometry, 0, 0, 0, RTC_BUFFER_TYPE_VERTEX, 0, jet, 3);
         CHECK(near(jet[0][0], corner[mode], 1e-4), "mode %d: the corner is at %g", mode, jet[0][0]);
@@ -306,7 +281,7 @@ static void modes(void)
     }
     RTCGeometry geometry = geometry_of(&sheet);
     rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_NO_BOUNDARY);
-    RTCScene scene = committed(geometry);
+    RTCScene scene = committed_with(geometry);
     CHECK(down(scene, 0.5f, 1.5f, 0).hit.geomID != 0 && down(scene, 1.5f, 1.6f, 0).hit.primID == 5,
           "faces at the boundary are not seen, others are");
     rtcReleaseScene(scene);
@@ -314,7 +289,7 @@ static void modes(void)
     unsigned holes[1] = { 5 };
     rtcSetGeometrySubdivisionMode(geometry, 0, RTC_SUBDIVISION_MODE_SMOOTH_BOUNDARY);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_HOLE, 0, RTC_FORMAT_UINT, holes, 0, 4, 1);
-    scene = committed(geometry);
+    scene = committed_with(geometry);
     CHECK(down(scene, 1.5f, 1.5f, 0).hit.geomID != 0 && down(scene, 2.5f, 1.6f, 0).hit.primID == 6, "a hole");
     rtcReleaseScene(scene);
     rtcReleaseGeometry(geometry);
@@ -361,7 +336,7 @@ static void moved(void)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, cube_indices, 0, 4, 24);
     rtcSetGeometryTessellationRate(geometry, 8);
     rtcSetGeometryUserData(geometry, heights);
-    RTCScene scene = committed(geometry);
+    RTCScene scene = committed_with(geometry);
     float jet[6][4];
     between(geometry, 0, 0.5f, 0.5f, RTC_BUFFER_TYPE_VERTEX, 0, jet, 3);
     double top = jet[0][2];
@@ -408,7 +383,7 @@ static void attributes(void)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 1, RTC_FORMAT_FLOAT2, uvs, 0, 8, 64);
     rtcSetGeometryVertexAttributeTopology(geometry, 1, 1);
     rtcCommitGeometry(geometry);
-    RTCScene scene = committed(geometry);
+    RTCScene scene = committed_with(geometry);
     for (int i = 0; i < 40; i++) {
         float u = number(), v = number(), jet[6][4], position[6][4];
         unsigned prim = i % 16;
@@ -433,7 +408,7 @@ static void half_edges(void)
                                         { 2, 0, 0, 0 }, { 3, 0, 0, 0 }, { 3, 1, 0, 0 } };
     const struct mesh row = { 3, 11, 7, counts, indices, points };
     RTCGeometry geometry = geometry_of(&row);
-    RTCScene scene = committed(geometry);
+    RTCScene scene = committed_with(geometry);
     static const unsigned first[3] = { 0, 4, 7 }, opposite[11] = { 0, 6, 2, 3, 4, 10, 1, 7, 8, 9, 5 };
     for (unsigned face = 0; face < 3; face++)
         CHECK(rtcGetGeometryFirstHalfEdge(geometry, face) == first[face], "the first of face %u", face);
@@ -481,17 +456,17 @@ static void errors(void)
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_FLOAT, cube_points, 0, 4, 6);
     expect(RTC_ERROR_INVALID_OPERATION, "counts as floats");
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_EDGE_CREASE_INDEX, 0, RTC_FORMAT_UINT2, cube_indices, 0, 8, 2);
-    rtcReleaseScene(committed(geometry));
+    rtcReleaseScene(committed_with(geometry));
     expect(RTC_ERROR_INVALID_OPERATION, "creases without weights");
     rtcReleaseGeometry(geometry);
     geometry = geometry_of(&cube);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, cube_indices, 0, 4, 23);
-    rtcReleaseScene(committed(geometry));
+    rtcReleaseScene(committed_with(geometry));
     expect(RTC_ERROR_INVALID_OPERATION, "fewer corners than the faces have");
     rtcReleaseGeometry(geometry);
     geometry = geometry_of(&sheet);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FACE, 0, RTC_FORMAT_UINT, sheet_counts, 0, 4, 6);
-    rtcReleaseScene(committed(geometry));
+    rtcReleaseScene(committed_with(geometry));
     expect(RTC_ERROR_NONE, "more corners than the faces have");
     rtcReleaseGeometry(geometry);
     /* Faces that cannot be are left out. */
@@ -500,7 +475,7 @@ static void errors(void)
     indices[5] = 77, indices[9] = indices[8];
     const struct mesh bad = { 6, 24, 8, counts, indices, (const float(*)[4])cube_points };
     geometry = geometry_of(&bad);
-    RTCScene scene = committed(geometry);
+    RTCScene scene = committed_with(geometry);
     expect(RTC_ERROR_NONE, "bad faces");
     CHECK(down(scene, 0.1f, 0.05f, 0).hit.primID == 0, "one face of six");
     rtcReleaseScene(scene);

@@ -8,9 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "check.h"
-
-static RTCDevice device;
+#include "scenes.h"
 
 // Counts its copies; threads of the pool throw it at the same time.
 static std::atomic<int> alive { 0 };
@@ -95,16 +93,6 @@ static bool memory(void *, ssize_t bytes, bool)
     if (bytes > 0)
         throw Trouble();
     return true;
-}
-
-static RTCScene committed(RTCGeometry geometry)
-{
-    RTCScene scene = rtcNewScene(device);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    return scene;
 }
 
 // Several floors, so that there would be more hits to ask about.
