@@ -431,9 +431,6 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
             ))
         })
     };
-    let other = |of: u32, slot: u32| {
-        settings.arrays.get(&(of, slot)).map_or_else(View::empty, |array| array.view.clone())
-    };
     let kind = geometry.kind;
     let mut cells = None;
     // No setting means no primitives, which is no error with Embree either.
@@ -442,9 +439,9 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
     let step = |slot: u32| -> Result<StepArrays, Problem> {
         Ok(StepArrays {
             vertices: if is_empty { View::empty() } else { array(buffer::VERTEX, slot, "vertex")? },
-            normals: other(buffer::NORMAL, slot),
-            tangents: other(buffer::TANGENT, slot),
-            normal_tangents: other(buffer::NORMAL_DERIVATIVE, slot),
+            normals: settings.array(buffer::NORMAL, slot),
+            tangents: settings.array(buffer::TANGENT, slot),
+            normal_tangents: settings.array(buffer::NORMAL_DERIVATIVE, slot),
         })
     };
     let first = step(0)?;
@@ -485,7 +482,7 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
         later,
         times,
         pieces: settings.pieces,
-        joints: other(buffer::FLAGS, 0),
+        joints: settings.array(buffer::FLAGS, 0),
         filters,
         point,
         user: None,

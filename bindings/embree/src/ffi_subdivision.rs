@@ -11,16 +11,21 @@ use crate::ffi_abi::{DisplacementFunction, INVALID};
 use crate::ffi_handle::{Handle, with};
 use crate::objects::{Geometry, Kind, Settings, Topology};
 
+/// That a geometry is a subdivision surface, as a call needs it.
+fn check_kind(geometry: &Geometry, call: &str) -> Result<(), Problem> {
+    match geometry.kind {
+        Kind::Subdivision => Ok(()),
+        kind => Err(Problem::operation(format!("{call}: not for {kind:?}, but subdivision surfaces"))),
+    }
+}
+
 /// Edits a subdivision surface.
 ///
 /// # Safety
 /// A geometry.
 unsafe fn edit(geometry: Handle, call: &str, change: impl FnOnce(&mut Settings) -> Result<(), Problem>) {
     let edit = |geometry: &Arc<Geometry>| {
-        if geometry.kind != Kind::Subdivision {
-            let kind = geometry.kind;
-            return Err(Problem::operation(format!("{call}: not for {kind:?}, but subdivision surfaces")));
-        }
+        check_kind(geometry, call)?;
         let mut settings = geometry.edit();
         change(&mut settings)?;
         settings.modified();
@@ -136,10 +141,7 @@ unsafe fn ask(
     answer: impl FnOnce(&Control) -> u32,
 ) -> c_uint {
     let ask = |geometry: &Arc<Geometry>| {
-        if geometry.kind != Kind::Subdivision {
-            let kind = geometry.kind;
-            return Err(Problem::operation(format!("{call}: not for {kind:?}, but subdivision surfaces")));
-        }
+        check_kind(geometry, call)?;
         let control = geometry.settings().control(topology)?;
         let count = of(&control);
         if number >= count {
