@@ -46,10 +46,9 @@ pub(crate) fn shaded(
     let found = py
         .detach(|| shaders_by_material(&text, material, names(), &Access::default()))
         .map_err(|why| PyValueError::new_err(format!("shader: {why}")))?;
-    let is_one = found.len() == 1 && found[0].1 == text;
     let of_name = |(name, shader): (String, String)| {
         let own = arguments.copy()?;
-        if !is_one {
+        if shader != text {
             own.set_item("shader", shader)?;
         }
         let numbers = names().enumerate().filter(|(_, other)| name == "*" || name == *other);

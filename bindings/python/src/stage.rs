@@ -124,6 +124,11 @@ struct Shown {
     exposure: Option<f32>,
 }
 
+/// What the compiler says about a script, line by line.
+fn warnings_of(script: &Script) -> impl Iterator<Item = String> {
+    script.warnings().iter().map(|warning| warning.trim_end().to_owned())
+}
+
 impl Stage {
     /// Of a scene as it was read: shaders that its file names are compiled.
     pub(crate) fn of(mut scene: Scene) -> Self {
@@ -142,7 +147,7 @@ impl Stage {
 
     /// The number of a surface that a shader makes.
     pub(crate) fn add_script(&mut self, script: Script, surface: Arc<dyn SurfaceShader>) -> u32 {
-        self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+        self.progress.extend(warnings_of(&script));
         // The next picture makes all of them for its space.
         self.reset_space();
         self.shaders.surfaces.push(surface);
@@ -178,19 +183,18 @@ impl Stage {
     ) -> PyResult<u32> {
         let count = self.shaders.lights.len();
         let number = number.unwrap_or(count);
+        if number > count {
+            return Err(PyIndexError::new_err(format!(
+                "light: {number} is out of range; the scene has {count} light shaders"
+            )));
+        }
+        self.progress.extend(warnings_of(&script));
         self.reset_space();
-        self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
-        match self.shaders.lights.get_mut(number) {
-            Some(old) => (*old, self.light_scripts[number]) = (light, script),
-            None if number == count => {
-                self.shaders.lights.push(light);
-                self.light_scripts.push(script);
-            }
-            None => {
-                return Err(PyIndexError::new_err(format!(
-                    "light: {number} is out of range; the scene has {count} light shaders"
-                )));
-            }
+        if number == count {
+            self.shaders.lights.push(light);
+            self.light_scripts.push(script);
+        } else {
+            (self.shaders.lights[number], self.light_scripts[number]) = (light, script);
         }
         // Lights that were added because there were none.
         self.edit(|_| ());
@@ -360,7 +364,7 @@ impl Stage {
         self.of_view.extend(view.pixel_shader.iter().map(|(script, _)| script.clone()));
         self.of_view.extend(camera.iter().map(|(script, _)| script.clone()));
         for script in &self.of_view {
-            self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+            self.progress.extend(warnings_of(script));
         }
         camera.map(|(_, camera)| camera)
     }
