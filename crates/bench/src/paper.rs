@@ -2,7 +2,7 @@
 //! `bench paper`: tables 1 and 2 of the paper behind GNU RT, with its figures next to ours.
 //! Source: its section 4 (Table 1, time to build a kd-tree) and 5.1 (Table 2, rays per second with and without SSE).
 //! Ours: one thread builds the kd-tree, by the exact sweep and from samples of the cost; camera rays go in packets at
-//! the level of SSE 4.2, and one by one without SIMD. Its machine is of 2006 and is not named.
+//! the level of SSE 4.2, and one by one at the scalar level. Its machine is of 2006 and is not named.
 //! Tests: `tests::a_box_has_both_tables`.
 
 use std::fmt::Write;
@@ -92,7 +92,7 @@ pub struct PaperRow {
     pub fast_cpu_s: f64,
     /// Millions of rays per second of processor time, in packets at SSE 4.2.
     pub simd: f64,
-    /// The same without SIMD, one by one.
+    /// The same at the scalar level, one by one.
     pub scalar: f64,
     /// The same in packets at the CPU's best level.
     pub best: f64,

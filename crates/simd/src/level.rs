@@ -70,8 +70,8 @@ impl Level {
         TOKENS.get_or_init(|| Self::ALL.map(Self::best_token_up_to))[self as usize]
     }
 
-    /// The token that [`dispatch_two!`](crate::dispatch_two) matches on: AVX2 or NEON, or no SIMD
-    /// instructions.
+    /// The token that [`dispatch_two!`](crate::dispatch_two) matches on: AVX2 or NEON, or the
+    /// scalar level.
     #[must_use]
     #[inline]
     pub fn token_of_two(self) -> fearless_simd::Level {
