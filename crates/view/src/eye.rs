@@ -274,15 +274,15 @@ impl Eye {
             Part::all_of(&self.colors, [width, height])
         } else if *preview && self.space.to_rec709().is_none() {
             accumulation.film_bands().into_iter().map(Part::Passing).collect()
-        } else if *preview {
-            accumulation.write_colors(&mut self.colors, pool);
-            convert_from(self.space, &mut self.colors);
-            Part::all_of(&self.colors, [width, height])
         } else {
             accumulation.write_colors(&mut self.colors, pool);
             convert_from(self.space, &mut self.colors);
-            self.temporal_filter.follow(width as usize, &self.colors, accumulation.samples());
-            Part::all_of(self.temporal_filter.shown(), [width, height])
+            if *preview {
+                Part::all_of(&self.colors, [width, height])
+            } else {
+                self.temporal_filter.follow(width as usize, &self.colors, accumulation.samples());
+                Part::all_of(self.temporal_filter.shown(), [width, height])
+            }
         };
         screen::develop(exposure, parts, [width, height], size, screen, Some(pool));
     }

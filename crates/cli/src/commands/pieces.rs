@@ -148,8 +148,7 @@ impl Header {
             frame: numbers(text(FRAME)?, 'x')?.try_into().ok()?,
             crop: crop.map(<[u32; 4]>::try_from).transpose().ok()?,
             spp: text(SAMPLES)?.parse().ok()?,
-            space: text(SPACE)
-                .map_or(Some(WorkingSpace::default()), |name| value::working_space(name).ok())?,
+            space: text(SPACE).map_or(Some(WorkingSpace::default()), |name| name.parse().ok())?,
             integrator: text("integrator")?.parse().ok()?,
             layers,
             light_layers: light_layers.collect::<Option<_>>()?,
