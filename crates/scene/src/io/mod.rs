@@ -14,6 +14,7 @@ mod loaded;
 mod obj;
 mod options;
 mod origin;
+mod plain;
 mod ply;
 mod polygon;
 pub mod reader;

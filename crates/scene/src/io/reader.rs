@@ -6,6 +6,7 @@
 pub use super::clean::{clean, clean_by};
 pub use super::corner_numbers::CornerNumbers;
 pub use super::error::quoted;
+pub use super::plain::Cursor;
 pub use super::ply::{read_mesh as read_ply_mesh, read_mesh_from as read_ply_mesh_from};
 pub use super::polygon::Cutter;
 pub use super::source::{Access, open, resolve};

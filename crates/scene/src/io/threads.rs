@@ -3,13 +3,16 @@
 //! A job that gets fewer threads than requested, because the system has no more, does the same. Tests: `tests`.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::{Builder, available_parallelism, scope};
+
+/// The number of cores. The system reads files to tell it, which takes as long as reading a small mesh.
+static CORES: OnceLock<usize> = OnceLock::new();
 
 /// The number of threads for a request, where 0 is one for each core.
 pub(crate) fn count(requested: usize) -> usize {
     match requested {
-        0 => available_parallelism().map_or(1, usize::from),
+        0 => *CORES.get_or_init(|| available_parallelism().map_or(1, usize::from)),
         some => some,
     }
 }

@@ -3,9 +3,10 @@
 //! read, other statements are kept as text. So batches are made on any thread and used on one, in the order of the
 //! file. Statements of one kind on lines that follow each other are a run. Memory: one block. Tests: `tests/obj.rs`.
 
-use super::plain::{Cursor, PlainCorner};
+use super::plain::{PlainCorner, Words};
 use crate::io::Error;
 use crate::io::lines::{LONGEST, LogicalLines};
+use crate::io::plain::Cursor;
 
 /// Statements of a block.
 #[derive(Default)]
