@@ -112,6 +112,12 @@ impl Faces {
         self.vertices
     }
 
+    /// The place behind the last corner of each face.
+    #[must_use]
+    pub fn ends(&self) -> &[u32] {
+        &self.starts[1..]
+    }
+
     /// The places of a face's corners among all corners.
     #[must_use]
     pub fn range(&self, face: usize) -> std::ops::Range<usize> {

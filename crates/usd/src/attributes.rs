@@ -13,10 +13,38 @@ use crate::value;
 #[derive(Clone, Debug)]
 pub(crate) enum Spread {
     Constant,
-    Faces(Vec<u32>),
+    Faces(Elements),
     /// By point, and whether they are interpolated linearly in subdivision.
-    Points(Vec<u32>, bool),
-    Corners(Vec<u32>),
+    Points(Elements, bool),
+    Corners(Elements),
+}
+
+/// Elements by faces, points or corners.
+#[derive(Clone, Debug)]
+pub(crate) enum Elements {
+    /// As many in their order.
+    InOrder(usize),
+    Listed(Vec<u32>),
+}
+
+impl Elements {
+    fn get(&self, place: usize) -> u32 {
+        match self {
+            Self::InOrder(_) => place as u32,
+            Self::Listed(all) => all[place],
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::InOrder(count) => *count,
+            Self::Listed(all) => all.len(),
+        }
+    }
+
+    fn to_list(&self) -> Vec<u32> {
+        (0..self.len()).map(|place| self.get(place)).collect()
+    }
 }
 
 /// Values over a mesh.
@@ -32,9 +60,9 @@ impl Attribute {
     pub(crate) fn element(&self, face: usize, corner: usize, point: u32) -> u32 {
         match &self.spread {
             Spread::Constant => 0,
-            Spread::Faces(elements) => elements[face],
-            Spread::Points(elements, _) => elements[point as usize],
-            Spread::Corners(elements) => elements[corner],
+            Spread::Faces(elements) => elements.get(face),
+            Spread::Points(elements, _) => elements.get(point as usize),
+            Spread::Corners(elements) => elements.get(corner),
         }
     }
 
@@ -55,14 +83,14 @@ impl Attribute {
         match &self.spread {
             Spread::Constant | Spread::Faces(_) => None,
             Spread::Points(elements, is_linear) => {
-                let of = |&element: &u32| values[element as usize * width..][..width].to_vec();
-                let values = elements.iter().flat_map(of).collect();
+                let of = |place: usize| &values[elements.get(place) as usize * width..][..width];
+                let values = (0..elements.len()).flat_map(of).copied().collect();
                 Some(Channel { width, values, corners: None, is_linear: *is_linear })
             }
             Spread::Corners(elements) => Some(Channel {
                 width,
                 values: values.clone(),
-                corners: Some(elements.clone()),
+                corners: Some(elements.to_list()),
                 is_linear: false,
             }),
         }
@@ -73,19 +101,16 @@ impl Attribute {
         let width = self.width;
         match (self.spread, channel) {
             (Spread::Faces(elements), _) => {
-                let elements = refined.parents.iter().map(|&parent| elements[parent as usize]).collect();
-                Self { width, values: self.values, spread: Spread::Faces(elements) }
+                let parents = refined.parents.iter();
+                let elements = parents.map(|&parent| elements.get(parent as usize)).collect();
+                Self { width, values: self.values, spread: Spread::Faces(Elements::Listed(elements)) }
             }
             (Spread::Points(_, is_linear), Some(channel)) => {
-                let count = (channel.values.len() / width.max(1)) as u32;
-                Self {
-                    width,
-                    values: channel.values,
-                    spread: Spread::Points((0..count).collect(), is_linear),
-                }
+                let elements = Elements::InOrder(channel.values.len() / width.max(1));
+                Self { width, values: channel.values, spread: Spread::Points(elements, is_linear) }
             }
             (Spread::Corners(_), Some(channel)) => {
-                let corners = channel.corners.unwrap_or_default();
+                let corners = Elements::Listed(channel.corners.unwrap_or_default());
                 Self { width, values: channel.values, spread: Spread::Corners(corners) }
             }
             (spread, _) => Self { width, values: self.values, spread },
@@ -104,7 +129,8 @@ impl Reader {
         widths: std::ops::RangeInclusive<usize>,
         fallback: &str,
     ) -> Option<Attribute> {
-        let found = self.value(prim, name)?;
+        let [found, indices] = self.values(prim, [name, &format!("{name}:indices")]);
+        let found = found?;
         let (width, values) = value::into_floats(found).filter(|(width, _)| widths.contains(width))?;
         let interpolation = self.metadata(prim, name, "interpolation").as_ref().and_then(value::word);
         let interpolation = interpolation.unwrap_or_else(|| fallback.to_owned());
@@ -123,16 +149,19 @@ impl Reader {
             }
         };
         let count = values.len() / width;
-        let indices = self.value(prim, &format!("{name}:indices")).and_then(value::into_integers);
-        let elements: Vec<u32> = match indices {
+        let elements = match indices.and_then(value::into_integers) {
             Some(indices) => {
-                indices.into_iter().map(|index| u32::try_from(index).unwrap_or(u32::MAX)).collect()
+                let index = |index: i32| u32::try_from(index).unwrap_or(u32::MAX);
+                Elements::Listed(indices.into_iter().map(index).collect())
             }
-            None => (0..count as u32).collect(),
+            None => Elements::InOrder(count),
         };
-        let in_range = elements.iter().all(|&element| (element as usize) < count);
+        let in_range = match &elements {
+            Elements::InOrder(_) => true,
+            Elements::Listed(all) => all.iter().all(|&element| (element as usize) < count),
+        };
         // One value too many does no harm where one is meant for all.
-        let fits = elements.len() == places || interpolation == "constant" && !elements.is_empty();
+        let fits = elements.len() == places || interpolation == "constant" && elements.len() > 0;
         if !fits || !in_range {
             let fault =
                 format!("{name} ({interpolation}) has {} values, the mesh needs {places}", elements.len());
@@ -141,8 +170,8 @@ impl Reader {
             return None;
         }
         let spread = match &interpolation[..] {
-            "constant" if elements[0] == 0 => Spread::Constant,
-            "constant" => Spread::Faces(vec![elements[0]; faces.len()]),
+            "constant" if elements.get(0) == 0 => Spread::Constant,
+            "constant" => Spread::Faces(Elements::Listed(vec![elements.get(0); faces.len()])),
             "uniform" => Spread::Faces(elements),
             "faceVarying" => Spread::Corners(elements),
             other => Spread::Points(elements, other == "varying"),

@@ -3,7 +3,7 @@
 
 use gnurt_scene::subdivision::Faces;
 
-use crate::attributes::{Attribute, Spread};
+use crate::attributes::{Attribute, Elements, Spread};
 
 /// A mesh as something bends it.
 #[derive(Clone, Debug)]
@@ -27,8 +27,9 @@ impl Bent {
         let (values, spread): (Vec<[f32; 3]>, Spread) = match normals.is_of_points() {
             true => {
                 let points = 0..faces.vertices() as u32;
-                let values = points.clone().map(|point| rotated(normals.element(0, 0, point), point));
-                (values.collect(), Spread::Points(points.collect(), false))
+                let elements = Elements::InOrder(points.len());
+                let values = points.map(|point| rotated(normals.element(0, 0, point), point));
+                (values.collect(), Spread::Points(elements, false))
             }
             false => {
                 let corners =
@@ -37,7 +38,7 @@ impl Bent {
                     let point = faces.corners()[corner];
                     rotated(normals.element(face, corner, point), point)
                 });
-                (values.collect(), Spread::Corners((0..faces.corners().len() as u32).collect()))
+                (values.collect(), Spread::Corners(Elements::InOrder(faces.corners().len())))
             }
         };
         *normals = Attribute { width: 3, values: values.into_flattened(), spread };

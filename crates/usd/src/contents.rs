@@ -7,7 +7,7 @@ use std::hash::{Hash, Hasher};
 
 use gnurt_scene::subdivision::{Faces, Surface};
 
-use crate::attributes::{Attribute, Spread};
+use crate::attributes::{Attribute, Elements, Spread};
 
 /// A sum over the contents of a mesh: of small parts by two hashers, of long lists by lanes that are multiplied and folded.
 pub(crate) struct Contents([DefaultHasher; 2], [u64; LANES]);
@@ -29,36 +29,41 @@ impl Contents {
         self.0.iter_mut().for_each(|hasher| part.hash(hasher));
     }
 
-    /// A long list.
-    fn add_words(&mut self, mut words: impl Iterator<Item = u32>) {
-        let (mut count, mut is_over) = (0_u64, false);
-        while !is_over {
-            for (lane, odd) in self.1.iter_mut().zip(ODD) {
-                let mut next = || {
-                    let word = words.next();
-                    (count, is_over) = (count + u64::from(word.is_some()), is_over || word.is_none());
-                    u64::from(word.unwrap_or_default())
-                };
-                let word = next() << 32 | next();
+    /// A long list, as words of 32 bits.
+    #[inline]
+    fn add_list<T: Copy>(&mut self, list: &[T], word: impl Fn(T) -> u32) {
+        let (blocks, rest) = list.as_chunks::<{ 2 * LANES }>();
+        let mut last = [0; 2 * LANES];
+        last.iter_mut().zip(rest).for_each(|(to, &from)| *to = word(from));
+        for words in blocks.iter().map(|block| block.map(&word)).chain([last]) {
+            for ((lane, odd), [high, low]) in self.1.iter_mut().zip(ODD).zip(words.as_chunks::<2>().0) {
+                let word = u64::from(*high) << 32 | u64::from(*low);
                 let product = u128::from(*lane ^ word) * u128::from(odd);
                 *lane = (product as u64 ^ (product >> 64) as u64).wrapping_add(word).rotate_left(23);
             }
         }
-        self.add(&count);
+        self.add(&list.len());
     }
 
     pub(crate) fn add_floats(&mut self, values: &[f32]) {
         // Bits: all floats are equal to themselves.
-        self.add_words(values.iter().map(|value| value.to_bits()));
+        self.add_list(values, f32::to_bits);
     }
 
     pub(crate) fn add_flags(&mut self, flags: &[bool]) {
-        self.add_words(flags.iter().map(|&flag| u32::from(flag)));
+        self.add_list(flags, u32::from);
     }
 
     pub(crate) fn add_faces(&mut self, faces: &Faces) {
-        self.add_words((0..faces.len()).map(|face| faces.range(face).end as u32));
-        self.add_words(faces.corners().iter().copied());
+        self.add_list(faces.ends(), |end| end);
+        self.add_list(faces.corners(), |corner| corner);
+    }
+
+    fn add_elements(&mut self, elements: &Elements) {
+        match elements {
+            Elements::InOrder(count) => self.add(&(0, count)),
+            Elements::Listed(all) => self.add_list(all, |element| element),
+        }
     }
 
     pub(crate) fn add_attribute(&mut self, attribute: Option<&Attribute>) {
@@ -69,15 +74,15 @@ impl Contents {
             Spread::Constant => self.add(&0),
             Spread::Faces(elements) => {
                 self.add(&1);
-                self.add_words(elements.iter().copied());
+                self.add_elements(elements);
             }
             Spread::Points(elements, is_linear) => {
                 self.add(&(2, is_linear));
-                self.add_words(elements.iter().copied());
+                self.add_elements(elements);
             }
             Spread::Corners(elements) => {
                 self.add(&3);
-                self.add_words(elements.iter().copied());
+                self.add_elements(elements);
             }
         }
     }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A look at the values of a binary layer: lengths of arrays and lists, dictionaries within one another.
-//! Source: the crate format of OpenUSD; numbers of types are its own. Tests: `tests/broken.rs`.
+//! Source: the crate format of OpenUSD; numbers of types are its own. Tests: `tests/broken.rs`, `tests/arrays.rs`.
+
+use std::collections::HashSet;
 
 use crate::bytes::{Bytes, Fault, skip_integers};
+use crate::crate_fields::PAYLOAD;
 
 /// Dictionaries within one another.
 const DEEPEST: u32 = 32;
@@ -13,6 +16,8 @@ pub(crate) struct Values<'a> {
     version: [u64; 3],
     /// Values that may still be looked at: a file may name the same one again and again.
     left: u64,
+    /// Places of arrays within other values.
+    nested: HashSet<u64>,
 }
 
 /// Bytes of an element of an array, by type; `None` = not of numbers.
@@ -26,7 +31,12 @@ fn size(kind: u64) -> Option<u64> {
 
 impl<'a> Values<'a> {
     pub(crate) fn new(bytes: &'a Bytes<'a>, version: [u64; 3]) -> Self {
-        Self { bytes, version, left: bytes.all.len() as u64 / 2 + 1024 }
+        Self { bytes, version, left: bytes.all.len() as u64 / 2 + 1024, nested: HashSet::new() }
+    }
+
+    /// The places of all arrays within dictionaries and samples.
+    pub(crate) fn into_nested(self) -> HashSet<u64> {
+        self.nested
     }
 
     /// Checks the value of a field.
@@ -37,7 +47,7 @@ impl<'a> Values<'a> {
     fn value(&mut self, value: u64, depth: u32) -> Result<(), Fault> {
         self.left = self.left.checked_sub(1).ok_or("the same values are named too often")?;
         let [is_array, is_inlined, is_compressed] = [63, 62, 61].map(|bit| value >> bit & 1 == 1);
-        let (kind, at) = (value >> 48 & 0xff, value & 0xffff_ffff_ffff);
+        let (kind, at) = (value >> 48 & 0xff, value & PAYLOAD);
         if is_inlined || is_array && at == 0 {
             return Ok(());
         }
@@ -48,7 +58,12 @@ impl<'a> Values<'a> {
                     if kind == 11 { self.length(at)? } else { (self.bytes.number::<8>(at)?, at + 8) };
                 self.bytes.capacity(at, count, 4)
             }
-            _ if is_array => self.array(kind, at, is_compressed),
+            _ if is_array => {
+                if depth > 0 {
+                    self.nested.insert(at);
+                }
+                self.array(kind, at, is_compressed)
+            }
             31 => self.dictionary(at, depth).map(drop),
             32 | 33 | 34 | 54 => self.list(at, |values, at| values.items(at, 4)),
             36 | 38 => self.list(at, |values, at| values.items(at, 4)),

@@ -3,9 +3,9 @@
 //! Layers are checked before the library reads them, since it trusts the sizes that they declare.
 //! Invariant: nothing is opened but by [`Access`]. Tests: `tests/broken.rs`, `tests/composition.rs`.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Read, Seek, SeekFrom};
+use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -13,11 +13,17 @@ use std::sync::Arc;
 use gnurt_scene::io::reader::{self, Access};
 use openusd::ar;
 
+use crate::arrays::Arrays;
+use crate::crate_check::Checked;
+use crate::layer::{Asset, Layer};
 use crate::package::Package;
-use crate::{crate_check, mtlx_layer, text_check, text_lists};
+use crate::{crate_arrays, crate_check, mtlx_layer, text_arrays, text_check, text_lists};
 
 /// The identifier of the layer that chooses variants.
 pub(crate) const SESSION: &str = "variants-of-the-command-line.usda";
+
+/// Fields of values that vary with time.
+const VARYING: [&[u8]; 3] = [b"timeSamples", b"clips", b"spline"];
 
 /// Files by their identifiers: absolute paths, and those of packages with the name of an entry in brackets.
 pub(crate) struct Files {
@@ -25,6 +31,12 @@ pub(crate) struct Files {
     /// The text of the layer that chooses variants.
     session: String,
     read: RefCell<BTreeMap<PathBuf, Kept>>,
+    /// Layers that were looked over.
+    layers: RefCell<BTreeMap<String, Arc<Layer>>>,
+    /// Their long arrays.
+    pub(crate) arrays: Arrays,
+    /// Whether one of them mentions values that vary with time.
+    pub(crate) varies: Cell<bool>,
     /// Why layers could not be read.
     faults: RefCell<BTreeMap<String, String>>,
 }
@@ -34,7 +46,8 @@ type Kept = Result<Arc<Vec<u8>>, String>;
 
 impl Files {
     pub(crate) fn new(access: Access, session: String) -> Self {
-        Self { access, session, read: RefCell::default(), faults: RefCell::default() }
+        let (read, layers, faults) = Default::default();
+        Self { access, session, read, layers, arrays: Arrays::default(), varies: Cell::new(false), faults }
     }
 
     /// The bytes of a file or of an entry of a package.
@@ -88,21 +101,36 @@ impl Files {
         self.faults.borrow().values().cloned().collect()
     }
 
-    /// A layer's bytes, looked over.
-    fn layer(&self, identifier: &str) -> Result<Arc<Vec<u8>>, String> {
-        let bytes = self.bytes(identifier)?;
-        if bytes.starts_with(crate_check::MAGIC) {
-            crate_check::check(&bytes)?;
-        } else {
-            text_check::check(&bytes)?;
+    /// A layer, looked over once, with stand-ins for its long arrays.
+    fn layer(&self, identifier: &str) -> Result<Arc<Layer>, String> {
+        if let Some(known) = self.layers.borrow().get(identifier) {
+            return Ok(known.clone());
         }
+        let bytes = match identifier {
+            SESSION => Arc::new(self.session.clone().into_bytes()),
+            _ => self.bytes(identifier)?,
+        };
         let hold = |count: usize| self.access.budget.hold(count).map_err(|excess| excess.to_string());
-        hold(bytes.len().saturating_mul(2))?;
-        let is_text = !bytes.starts_with(crate_check::MAGIC);
-        match is_text.then(|| text_lists::plain(&bytes)).flatten() {
-            Some(plain) => hold(plain.len()).map(|()| Arc::new(plain)),
-            None => Ok(bytes),
-        }
+        let layer = if bytes.starts_with(crate_check::MAGIC) {
+            let checked = crate_check::check(&bytes)?;
+            hold(bytes.len().saturating_mul(2))?;
+            let varies =
+                |checked: &Checked| checked.fields.tokens().iter().any(|token| VARYING.contains(token));
+            self.varies.set(self.varies.get() || checked.as_ref().is_some_and(varies));
+            let edits = checked.map(|checked| crate_arrays::edits(&bytes, &checked, &self.arrays));
+            Layer::new(bytes, edits.unwrap_or_default())
+        } else {
+            let found = text_check::check(&bytes)?;
+            hold(bytes.len().saturating_mul(2))?;
+            let plain = text_lists::plain(&bytes).map(|plain| hold(plain.len()).map(|()| Arc::new(plain)));
+            let text = plain.transpose()?.unwrap_or(bytes);
+            self.varies.set(self.varies.get() || text_arrays::mentions(&text, &found, &VARYING));
+            let edits = text_arrays::edits(&text, &found, &self.arrays, &self.access);
+            Layer::new(text, edits)
+        };
+        let layer = Arc::new(layer);
+        self.layers.borrow_mut().insert(identifier.to_owned(), layer.clone());
+        Ok(layer)
     }
 }
 
@@ -204,47 +232,14 @@ impl ar::Resolver for Resolver {
 
     fn open_asset(&self, resolved_path: &ar::ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
         let identifier = resolved_path.to_string();
-        let bytes = match &identifier[..] {
-            SESSION => Ok(Arc::new(self.0.session.clone().into_bytes())),
-            _ => self.0.layer(&identifier),
-        };
-        let bytes = bytes.map_err(|fault| {
+        let layer = self.0.layer(&identifier).map_err(|fault| {
             self.0.faults.borrow_mut().insert(identifier, fault.clone());
             io::Error::other(fault)
         })?;
-        Ok(Box::new(Shared(Cursor::new(Bytes(bytes)))))
+        Ok(Box::new(Asset::new(layer)))
     }
 
     fn get_modification_timestamp(&self, _: &str, _: &ar::ResolvedPath) -> Option<std::time::SystemTime> {
         None
-    }
-}
-
-struct Bytes(Arc<Vec<u8>>);
-
-impl AsRef<[u8]> for Bytes {
-    fn as_ref(&self) -> &[u8] {
-        &self.0
-    }
-}
-
-/// A file in memory that others read, too.
-struct Shared(Cursor<Bytes>);
-
-impl Read for Shared {
-    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
-        self.0.read(to)
-    }
-}
-
-impl Seek for Shared {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.0.seek(to)
-    }
-}
-
-impl ar::Asset for Shared {
-    fn size(&self) -> io::Result<u64> {
-        Ok(self.0.get_ref().0.len() as u64)
     }
 }

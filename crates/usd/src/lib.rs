@@ -4,6 +4,7 @@
 //! See docs/reference/usd.md and docs/decisions/0035-usd.md.
 #![forbid(unsafe_code)]
 
+mod arrays;
 mod atlas;
 mod attributes;
 mod bent;
@@ -12,10 +13,14 @@ mod builder;
 mod bytes;
 mod cameras;
 mod contents;
+mod crate_arrays;
 mod crate_check;
+mod crate_fields;
+mod crate_parts;
 mod crate_values;
 mod files;
 mod instancer;
+mod layer;
 mod lights;
 mod load;
 mod material;
@@ -24,13 +29,16 @@ mod mtlx;
 mod mtlx_layer;
 mod network;
 mod package;
+mod packed_array;
 mod pose;
 mod reader;
 mod save;
 mod shapes;
 mod skeleton;
 mod skin;
+mod stand_in;
 mod strands;
+mod text_arrays;
 mod text_check;
 mod text_lists;
 mod textures;

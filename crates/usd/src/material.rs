@@ -134,9 +134,10 @@ impl Materials<'_> {
     fn of_document(&self, reader: &Reader, scene: &mut Scene, prim: &Path, name: &str) -> Option<Use> {
         let (file, node) = (reader.word(prim, mtlx_layer::FILE)?, reader.word(prim, mtlx_layer::NODE)?);
         let id = scene.add_material(Material::matte(name, GREY));
-        let given = reader.properties(prim).into_iter().filter_map(|property| {
+        let properties = reader.properties(prim);
+        let given = properties.iter().filter_map(|property| {
             let name = property.strip_prefix("inputs:")?.to_owned();
-            Some((name, mtlx::parameter(&reader.value(prim, &property)?)?))
+            Some((name, mtlx::parameter(&reader.value(prim, property)?)?))
         });
         let confined_to = reader.confined_to();
         let file = format!("{file}:{node}").into();

@@ -2,6 +2,8 @@
 //! Meshes: polygons and subdivision surfaces, cut by the materials of their faces.
 //! Source: UsdGeomMesh, UsdGeomSubset. Space: that of the prim. Tests: `tests/meshes.rs`, `tests/judge.py`.
 
+use std::borrow::Cow;
+
 use gnurt_scene::io::Oddity;
 use gnurt_scene::io::reader::{Excess, clean_by};
 use gnurt_scene::labels::ControlMesh;
@@ -12,7 +14,7 @@ use gnurt_scene::subdivision::{
 use gnurt_scene::{Mesh, MeshId, ObjectId};
 use openusd::sdf::Path;
 
-use crate::attributes::{Attribute, Spread};
+use crate::attributes::{Attribute, Elements, Spread};
 use crate::bent::Bent;
 use crate::builder::Builder;
 use crate::contents::Contents;
@@ -57,9 +59,10 @@ impl Builder<'_> {
     /// Points and faces, or a warning.
     pub(crate) fn polygons(&self, prim: &Path) -> Option<Polygons> {
         let reader = self.reader;
-        let points = reader.value(prim, "points").and_then(value::into_points);
-        let counts = reader.value(prim, "faceVertexCounts").and_then(value::into_integers);
-        let corners = reader.value(prim, "faceVertexIndices").and_then(value::into_integers);
+        let [corners, counts, points] =
+            reader.values(prim, ["faceVertexIndices", "faceVertexCounts", "points"]);
+        let points = points.and_then(value::into_points);
+        let [counts, corners] = [counts, corners].map(|value| value.and_then(value::into_integers));
         let (Some(points), Some(counts), Some(corners)) = (points, counts, corners) else {
             // A mesh without points is a place for some to come.
             return None;
@@ -101,8 +104,8 @@ impl Builder<'_> {
             parts.iter().map(|part| self.texcoords(prim, &faces, &part.material)).collect();
         let holes = reader.value(prim, "holeIndices").as_ref().and_then(value::integers).unwrap_or_default();
         let mut is_hole = vec![false; faces.len()];
-        for hole in holes.into_iter().filter_map(|hole| usize::try_from(hole).ok()) {
-            if let Some(hole) = is_hole.get_mut(hole) {
+        for &hole in &holes {
+            if let Some(hole) = usize::try_from(hole).ok().and_then(|hole| is_hole.get_mut(hole)) {
                 *hole = true;
             }
         }
@@ -113,13 +116,15 @@ impl Builder<'_> {
         let mut contents = Contents::new();
         contents.add(&(prim.name(), &materials, bound.as_ref().and_then(Path::name)));
         contents.add(&(is_left_handed, &linear));
-        contents.add_flags(&is_hole);
+        contents.add(&holes);
         contents.add_floats(points.as_flattened());
         contents.add_faces(&faces);
         attributes.iter().for_each(|attribute| contents.add_attribute(attribute.as_ref()));
         for part in &parts {
             contents.add(&part.material.has_colors);
-            contents.add_flags(&part.takes);
+            if parts.len() > 1 {
+                contents.add_flags(&part.takes);
+            }
         }
         contents.add_surface(surface.as_ref());
         // Equal now is not equal later: motion asks for the same objects at all moments.
@@ -159,8 +164,8 @@ impl Builder<'_> {
             }
             if surface.scheme != Scheme::Bilinear {
                 let (corners, normals) = smooth_normals(&refined.faces, &points, &refined.creases);
-                let values = normals.as_flattened().to_vec();
-                attributes[0] = Some(Attribute { width: 3, values, spread: Spread::Corners(corners) });
+                let spread = Spread::Corners(Elements::Listed(corners));
+                attributes[0] = Some(Attribute { width: 3, values: normals.into_flattened(), spread });
             }
             let scheme = match surface.scheme {
                 Scheme::CatmullClark => "catmullClark",
@@ -181,15 +186,21 @@ impl Builder<'_> {
             return None;
         }
         let mut meshes: Vec<MeshId> = Vec::new();
+        let has_parts = parts.len() > 1;
         for (i, part) in parts.iter().enumerate() {
             let corners = Corners {
                 faces: &faces,
-                points: &points,
+                points: if has_parts {
+                    Cow::Borrowed(&points[..])
+                } else {
+                    Cow::Owned(std::mem::take(&mut points))
+                },
                 normals: attributes[0].as_ref(),
                 texcoords: attributes[3 + i].as_ref(),
                 colors: attributes[1].as_ref().filter(|_| part.material.has_colors),
                 opacities: attributes[2].as_ref().filter(|_| part.material.has_colors),
                 is_left_handed,
+                is_whole: holes.is_empty() && !part.takes.contains(&false),
             };
             let control_face = |face: usize| parents.as_ref().map_or(face, |parents| parents[face] as usize);
             let mut mesh = corners.mesh(&mut self.cutter, |face| {

@@ -36,10 +36,10 @@ pub(crate) fn network(reader: &Reader, surface: &Path) -> Network {
         let id = reader.shader_id(&shader);
         let name = node_name(&shader, numbers[shader.as_str()]);
         let _ = writeln!(network.text, "<node name=\"{name}\" nodedef=\"{}\">", escaped(&id));
-        for property in reader.properties(&shader) {
+        for property in &*reader.properties(&shader) {
             let Some(input) = property.strip_prefix("inputs:") else { continue };
             let at = escaped(input);
-            match reader.source(&shader, &property) {
+            match reader.source(&shader, property) {
                 Some(Source::Shader { prim, output }) => {
                     if numbers.len() >= MOST && !numbers.contains_key(prim.as_str()) {
                         reader.unsupported(&shader, format_args!("network of more than {MOST} shaders"));

@@ -3,6 +3,7 @@
 //! At rest an attribute has its default value or, where it has none, its first sample. Tests: `tests/composition.rs`.
 
 use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::fmt::Display;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -28,12 +29,17 @@ pub(crate) struct Reader {
     prims: Cell<u64>,
     /// Values that were read and are others at other moments.
     varying: Cell<u64>,
+    /// Names of the properties of prims that were asked about lately.
+    names: RefCell<HashMap<Path, Names>>,
 }
+
+type Names = Rc<[String]>;
 
 impl Reader {
     pub(crate) fn new(stage: Stage, seconds: Option<f64>, path: PathBuf, files: Rc<Files>) -> Self {
         let (warnings, prims, varying) = (RefCell::default(), Cell::new(0), Cell::new(0));
-        let mut reader = Self { stage, path, files, time: 0.0, warnings, prims, varying };
+        let names = RefCell::default();
+        let mut reader = Self { stage, path, files, time: 0.0, warnings, prims, varying, names };
         let start = || reader.stage_number("startTimeCode").unwrap_or(0.0);
         reader.time = seconds.map_or_else(start, |seconds| seconds * reader.rate());
         reader
@@ -105,8 +111,27 @@ impl Reader {
 
     /// The value of an attribute at the moment; `None` where it has none or is blocked.
     pub(crate) fn value(&self, prim: &Path, name: &str) -> Option<Value> {
-        let path = prim.append_property(name).ok()?;
+        let [value] = self.values(prim, [name]);
+        value
+    }
+
+    /// The values of several attributes, as [`value`](Self::value) has them: long ones are read side by side.
+    pub(crate) fn values<const N: usize>(&self, prim: &Path, names: [&str; N]) -> [Option<Value>; N] {
+        let composed = names.map(|name| self.composed(prim, name));
+        let mut values = self.files.arrays.replace(composed, &self.files.access).into_iter();
+        names.map(|name| {
+            let value = values.next()?;
+            self.checked(&prim.append_property(name).ok()?, value)
+        })
+    }
+
+    /// The same with stand-ins for long arrays.
+    fn composed(&self, prim: &Path, name: &str) -> Option<Value> {
+        let path = self.property(prim, name)?;
         let attribute = self.stage.attribute(path.clone());
+        if !self.files.varies.get() {
+            return self.checked(&path, attribute.get::<Value>()).filter(is_value);
+        }
         let time = TimeCode::new(self.time);
         let samples = attribute.bracketing_time_samples(time);
         self.varying.set(self.varying.get() + u64::from(samples.is_ok_and(|found| found.is_some())));
@@ -143,8 +168,10 @@ impl Reader {
 
     /// The value of an attribute that does not change with time.
     pub(crate) fn uniform(&self, prim: &Path, name: &str) -> Option<Value> {
-        let path = prim.append_property(name).ok()?;
-        self.checked(&path, self.stage.attribute(path.clone()).get::<Value>()).filter(is_value)
+        let path = self.property(prim, name)?;
+        let value = self.checked(&path, self.stage.attribute(path.clone()).get::<Value>()).filter(is_value);
+        let [value] = self.files.arrays.replace([value], &self.files.access);
+        self.checked(&path, value)
     }
 
     /// A word of an attribute.
@@ -174,8 +201,7 @@ impl Reader {
 
     /// A word of an attribute's metadata.
     pub(crate) fn metadata(&self, prim: &Path, name: &str, key: &str) -> Option<Value> {
-        let path = prim.append_property(name).ok()?;
-        self.stage.attribute(path).get_metadata::<Value>(key).ok().flatten()
+        self.stage.attribute(self.property(prim, name)?).get_metadata::<Value>(key).ok().flatten()
     }
 
     /// A prim's metadata.
@@ -191,13 +217,13 @@ impl Reader {
 
     /// The targets of a relationship.
     pub(crate) fn targets(&self, prim: &Path, name: &str) -> Vec<Path> {
-        let Ok(path) = prim.append_property(name) else { return Vec::new() };
+        let Some(path) = self.property(prim, name) else { return Vec::new() };
         self.stage.relationship(path).forwarded_targets().unwrap_or_default()
     }
 
     /// The first source that an attribute is connected to.
     pub(crate) fn connection(&self, prim: &Path, name: &str) -> Option<Path> {
-        let path = prim.append_property(name).ok()?;
+        let path = self.property(prim, name)?;
         self.stage.attribute(path).connections().ok()?.into_iter().next()
     }
 
@@ -208,9 +234,27 @@ impl Reader {
     }
 
     /// Names of its properties.
-    pub(crate) fn properties(&self, prim: &Path) -> Vec<String> {
+    pub(crate) fn properties(&self, prim: &Path) -> Names {
+        /// Prims whose names are kept.
+        const MOST: usize = 256;
+        if let Some(known) = self.names.borrow().get(prim) {
+            return known.clone();
+        }
         let names = self.stage.prim(prim.clone()).property_names().unwrap_or_default();
-        names.iter().map(|name| name.as_str().to_owned()).collect()
+        let names: Names = names.iter().map(|name| name.as_str().to_owned()).collect();
+        let mut known = self.names.borrow_mut();
+        if known.len() >= MOST {
+            known.clear();
+        }
+        known.insert(prim.clone(), names.clone());
+        names
+    }
+
+    /// The path of a property; `None` where the prim has no such one, which most questions are about.
+    fn property(&self, prim: &Path, name: &str) -> Option<Path> {
+        // Clips have values of properties that no layer of the prim names.
+        let is_there = self.files.varies.get() || self.properties(prim).iter().any(|known| known == name);
+        is_there.then(|| prim.append_property(name).ok()).flatten()
     }
 
     /// Whether a schema is applied to a prim.

@@ -179,10 +179,10 @@ impl Builder<'_> {
         let offsets =
             |name: &str| reader.value(shape, name).as_ref().and_then(value::vectors::<3>).unwrap_or_default();
         let mut keys = vec![(0.0, String::new()), (1.0, "offsets".to_owned())];
-        for name in reader.properties(shape).into_iter().filter(|name| name.starts_with("inbetweens:")) {
-            let at = reader.metadata(shape, &name, "weight").as_ref().and_then(value::number);
+        for name in reader.properties(shape).iter().filter(|name| name.starts_with("inbetweens:")) {
+            let at = reader.metadata(shape, name, "weight").as_ref().and_then(value::number);
             if let Some(at) = at.filter(|_| !name.ends_with(":normalOffsets")) {
-                keys.push((at as f32, name));
+                keys.push((at as f32, name.clone()));
             }
         }
         keys.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -2,20 +2,23 @@
 //! A look at text layers (`.usda`) before the library reads them: that they are text, and not too deep.
 //! Tests: `tests/broken.rs`.
 
+use crate::text_arrays::TextArray;
+
 /// Brackets that may be open at once.
 const DEEPEST: u32 = 512;
 
-/// Looks a layer over.
-pub(crate) fn check(bytes: &[u8]) -> Result<(), String> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    if !bytes.starts_with(b"#usda ") {
+/// Looks a layer over. Returns its long arrays.
+pub(crate) fn check(bytes: &[u8]) -> Result<Vec<TextArray>, String> {
+    let begin = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+    if !bytes[begin..].starts_with(b"#usda ") {
         return Err("neither '#usda' nor 'PXR-USDC' at its beginning; this is no USD layer".to_owned());
     }
     if let Err(error) = std::str::from_utf8(bytes) {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
         return Err(format!("line {line}: text that is no UTF-8"));
     }
-    let (mut depth, mut line, mut at) = (0_u32, 1_usize, 0);
+    let (mut depth, mut line, mut at) = (0_u32, 1_usize, begin);
+    let mut arrays = Vec::new();
     while let Some(&byte) = bytes.get(at) {
         match byte {
             b'\n' => line += 1,
@@ -26,6 +29,11 @@ pub(crate) fn check(bytes: &[u8]) -> Result<(), String> {
                 line += bytes[at..at + end].iter().filter(|&&byte| byte == b'\n').count();
                 at += end - 1;
             }
+            b'[' if let Some(array) = TextArray::at(bytes, at) => {
+                line += bytes[at..array.end()].iter().filter(|&&byte| byte == b'\n').count();
+                at = array.end() - 1;
+                arrays.push(array);
+            }
             b'{' | b'[' | b'(' => depth += 1,
             b'}' | b']' | b')' => depth = depth.saturating_sub(1),
             _ => {}
@@ -35,7 +43,7 @@ pub(crate) fn check(bytes: &[u8]) -> Result<(), String> {
         }
         at += 1;
     }
-    Ok(())
+    Ok(arrays)
 }
 
 /// The length of the text in quotes at the beginning.

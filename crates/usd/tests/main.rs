@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Tests of USD files.
 
+mod arrays;
 mod broken;
 mod cameras;
 mod composition;

@@ -8,7 +8,8 @@ use std::io::Cursor;
 use openusd::sdf::{AbstractData, FieldKey, SpecType, Value, Variability};
 
 use crate::bytes::{Bytes, Fault};
-use crate::crate_check::{entry, integers, tokens, unpack};
+use crate::crate_fields::{Fields, PAYLOAD};
+use crate::crate_parts::integers;
 
 /// Fields with names of children or their order.
 const CHILDREN: [&[u8]; 6] = [
@@ -22,8 +23,6 @@ const CHILDREN: [&[u8]; 6] = [
 /// Arrays shorter than this are not compressed.
 const SHORTEST_COMPRESSED: u64 = 16;
 const IS_COMPRESSED: u64 = 1 << 61;
-/// The bits of a place.
-const PAYLOAD: u64 = 0xffff_ffff_ffff;
 /// The type of a vector of names.
 const NAMES: u64 = 41 << 48;
 /// Types and bits of an array: of names, of `int`, of `uint`.
@@ -49,20 +48,12 @@ pub(super) fn from_text(text: &str) -> Result<Vec<u8>, Fault> {
 /// The layer with its values retyped. They lie behind the rest, in front of the table of sections.
 fn mend(mut layer: Vec<u8>) -> Result<Vec<u8>, Fault> {
     let bytes = Bytes::new(&layer);
-    let section = |name: &[u8]| {
-        let at = entry(&bytes, name)?.ok_or_else(|| "a section is missing".to_owned())?;
-        Ok::<_, Fault>((at, bytes.number::<8>(at + 16)?))
-    };
     let table = bytes.number::<8>(16)?;
-    let text = tokens(&bytes, section(b"TOKENS")?.1)?;
-    let tokens: Vec<&[u8]> = text.split(|&byte| byte == 0).collect();
-    let (fields_entry, fields) = section(b"FIELDS")?;
-    let count = bytes.number::<8>(fields)?;
-    let (names, at) = integers(&bytes, fields + 8, count)?;
-    let mut values = unpack(&bytes, at, count * 8)?;
+    let fields = Fields::read(&bytes)?.ok_or_else(|| "a section is missing".to_owned())?;
+    let (tokens, mut values) = (fields.tokens(), fields.values.clone());
 
     let mut arrays = Vec::new();
-    for (value, &name) in values.as_chunks_mut::<8>().0.iter_mut().zip(&names) {
+    for (value, &name) in values.as_chunks_mut::<8>().0.iter_mut().zip(&fields.names) {
         let old = u64::from_le_bytes(*value);
         let payload = old & PAYLOAD;
         let new = match old >> 48 {
@@ -82,20 +73,14 @@ fn mend(mut layer: Vec<u8>) -> Result<Vec<u8>, Fault> {
         *value = new.to_le_bytes();
     }
 
-    let packed = lz4_flex::block::compress(&values);
-    let mut section = layer[fields as usize..at as usize].to_vec();
-    section.extend_from_slice(&(packed.len() as u64 + 1).to_le_bytes());
-    // One piece.
-    section.push(0);
-    section.extend(packed);
-
-    let (fields, size) = (table + arrays.len() as u64, section.len() as u64);
+    let section = fields.section(&layer, &values);
+    let (at, size) = (table + arrays.len() as u64, section.len() as u64);
     let mut put = |at: u64, number: u64| {
         layer[at as usize..at as usize + 8].copy_from_slice(&number.to_le_bytes());
     };
-    put(fields_entry + 16, fields);
-    put(fields_entry + 24, size);
-    put(16, fields + size);
+    put(fields.entry + 16, at);
+    put(fields.entry + 24, size);
+    put(16, at + size);
     arrays.extend(section);
     layer.splice(table as usize..table as usize, arrays);
     Ok(layer)
