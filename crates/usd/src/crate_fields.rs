@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The table of fields of a binary layer: the name of each, and its value or where that is. It can be written anew.
+//! The table of fields of a binary layer: the name of each, and its value or where that is. It can be written again.
 //! Source: the crate format of OpenUSD, section `FIELDS`. Tests: `tests/save.rs`, `tests/arrays.rs`.
 
 use std::ops::Range;

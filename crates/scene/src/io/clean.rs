@@ -44,9 +44,10 @@ fn in_mesh(mesh: &Mesh) -> String {
 
 /// Whether all values are finite. Without a branch for each value.
 fn are_finite(values: &[f32]) -> bool {
-    const INFINITE: u32 = f32::INFINITY.to_bits();
-    let largest = |chunk: &[f32]| chunk.iter().map(|x| x.to_bits() & !(1 << 31)).fold(0, u32::max);
-    values.chunks(4096).all(|chunk| largest(chunk) < INFINITE)
+    /// The exponent of infinity and of what is no number.
+    const EXPONENT: u32 = f32::INFINITY.to_bits();
+    let is_bad = |x: &f32| x.to_bits() & EXPONENT == EXPONENT;
+    !values.chunks(4096).any(|chunk| chunk.iter().fold(false, |bad, x| bad | is_bad(x)))
 }
 
 /// Whether all triangles have an area.

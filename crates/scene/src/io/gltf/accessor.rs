@@ -25,11 +25,10 @@ pub(super) fn floats<const N: usize>(
         let problem = format!("accessor {} has {} components", index.0, reader.components);
         return Err(document.error(location, problem, &format!("expected {N}")));
     }
-    let mut values = vec![[0.0; N]; reader.count];
     if let Some(bytes) = reader.packed(ComponentType::F32, N)? {
-        fill_words(document, values.as_flattened_mut(), bytes, f32::from_le_bytes);
-        return Ok(values);
+        return Ok(words(document, bytes, f32::from_le_bytes));
     }
+    let mut values = vec![[0.0; N]; reader.count];
     let size = size_of_component(reader.component);
     reader.for_each(|i, bytes| {
         for (k, slot) in values[i].iter_mut().enumerate() {
@@ -70,16 +69,26 @@ pub(super) fn packed_triangles(
     }
     let reader = Reader::new(document, index, location, None)?;
     let Some(bytes) = reader.packed(ComponentType::U32, 1)? else { return Ok(None) };
-    let mut triangles = vec![[0; 3]; reader.count / 3];
-    fill_words(document, triangles.as_flattened_mut(), bytes, u32::from_le_bytes);
-    Ok(Some(triangles))
+    Ok(Some(words(document, bytes, u32::from_le_bytes)))
 }
 
-/// Reads packed values of four bytes.
-fn fill_words<T: Send>(document: &Document<'_>, values: &mut [T], bytes: &[u8], value: fn([u8; 4]) -> T) {
-    fill(document.access.threads(), values, bytes.as_chunks::<4>().0, &|to, from| {
-        to.iter_mut().zip(from).for_each(|(slot, bytes)| *slot = value(*bytes));
+/// Packed groups of values of four bytes.
+fn words<T: Copy + Default + Send, const N: usize>(
+    document: &Document<'_>,
+    bytes: &[u8],
+    value: impl Fn([u8; 4]) -> T + Copy + Sync,
+) -> Vec<[T; N]> {
+    /// Bytes from which on threads fill memory that is zero because it is new.
+    const LARGE: usize = 1 << 20;
+    let groups = bytes.as_chunks::<4>().0.as_chunks::<N>().0;
+    if bytes.len() < LARGE {
+        return groups.iter().map(|group| group.map(value)).collect();
+    }
+    let mut values = vec![[T::default(); N]; groups.len()];
+    fill(document.access.threads(), &mut values, groups, &|to, from| {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = from.map(value));
     });
+    values
 }
 
 /// Reads an accessor of one unsigned integer each.
@@ -93,18 +102,13 @@ fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec
             "expected SCALAR of unsigned integers",
         ));
     }
-    let mut values = vec![0; reader.count];
     if let Some(bytes) = reader.packed(ComponentType::U32, 1)? {
-        fill_words(document, &mut values, bytes, u32::from_le_bytes);
-        return Ok(values);
+        return Ok(words::<u32, 1>(document, bytes, u32::from_le_bytes).into_flattened());
     }
     if let Some(bytes) = reader.packed(ComponentType::U16, 1)? {
-        values
-            .iter_mut()
-            .zip(bytes.as_chunks::<2>().0)
-            .for_each(|(slot, bytes)| *slot = u16::from_le_bytes(*bytes).into());
-        return Ok(values);
+        return Ok(bytes.as_chunks::<2>().0.iter().map(|&bytes| u16::from_le_bytes(bytes).into()).collect());
     }
+    let mut values = vec![0; reader.count];
     match reader.component {
         ComponentType::U32 => {
             reader.for_each(|i, bytes| values[i] = unsigned_integer(ComponentType::U32, bytes))?

@@ -253,8 +253,9 @@ impl PrimitiveReader<'_> {
 
     /// That indices of vertices are in range, unless they end a strip or fan.
     fn check_corners(&self, order: &[u32], count: usize, restart: Option<u32>) -> Result<(), Error> {
-        // The largest is found sooner than the first bad one.
-        let may_be_bad = order.iter().fold(0, |most, &i| most.max(i)) as usize >= count;
+        // That one is bad is found sooner than the first one. Signed comparisons are those that all processors have.
+        let limit = i32::try_from(count).unwrap_or(i32::MAX);
+        let may_be_bad = order.iter().fold(false, |bad, &i| bad | (i as i32 >= limit) | ((i as i32) < 0));
         let bad = |i: &&u32| **i as usize >= count && Some(**i) != restart;
         if let Some(bad) = order.iter().filter(|_| may_be_bad).find(bad) {
             let remedy = if count == 0 {
