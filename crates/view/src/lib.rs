@@ -11,6 +11,8 @@
 mod camera_options;
 mod controls;
 mod error;
+#[cfg(feature = "window")]
+mod events;
 mod exposure;
 mod eye;
 mod flight;
@@ -20,6 +22,7 @@ mod input;
 mod memory;
 mod pace;
 mod pick;
+mod pictures;
 mod playing;
 mod recorder;
 mod render_thread;
@@ -45,6 +48,9 @@ pub use headless::{FrameTimes, HeadlessOptions, Rest, ShownFrame, run_headless};
 pub use hud::KEYS;
 pub use input::{Button, Input, Key};
 pub use pick::Pick;
+pub use pictures::{Comparison, Item, PICTURE_KEYS, ReadPicture, compose, items};
+#[cfg(feature = "window")]
+pub use pictures::{PictureOptions, run_picture_window};
 pub use playing::Playing;
 pub use scripts::{ScriptRole, Scripts, StageScript};
 pub use shader_controls::{ShaderControl, ShaderControls};

@@ -98,7 +98,7 @@ impl fmt::Display for Shown {
 }
 
 /// A colour that is neither dark nor grey; black where there is nothing.
-fn id_color(id: u32) -> [f32; 4] {
+pub(crate) fn id_color(id: u32) -> [f32; 4] {
     if id == u32::MAX {
         return [0.0, 0.0, 0.0, 1.0];
     }

@@ -16,17 +16,17 @@ use gnurt::scene::Camera;
 use softbuffer::{Context, Surface};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::keyboard::{Key as WinitKey, NamedKey};
 use winit::window::{Fullscreen, Window, WindowId};
 
 use crate::camera_options::camera_options;
 use crate::controls::{Controls, Effect};
 use crate::error::ViewError;
+use crate::events::input;
 use crate::exposure::Exposure;
 use crate::hud;
-use crate::input::{Button, Input, Key};
+use crate::input::Input;
 use crate::memory;
 use crate::pick::Pick;
 use crate::playing::Playing;
@@ -69,8 +69,6 @@ const WATCHED: Duration = Duration::from_millis(250);
 const SHADERS_WATCHED: Duration = Duration::from_millis(20);
 /// How long a message is shown.
 const MESSAGES: Duration = Duration::from_secs(12);
-/// Pixels of a touch pad per notch of a wheel.
-const NOTCH: f64 = 40.0;
 
 /// Shows a window until the user closes it.
 ///
@@ -495,65 +493,5 @@ impl ApplicationHandler<RenderEvent> for App {
         let busy = request.moving || self.controls.is_held();
         let idle = if self.shader_watch.is_empty() { WATCHED } else { SHADERS_WATCHED };
         events.set_control_flow(ControlFlow::wait_duration(if busy { STEP } else { idle }));
-    }
-}
-
-/// An event in our words; nothing if it is none of our business.
-fn input(event: &WindowEvent) -> Option<Input> {
-    let button = |button: &MouseButton| match button {
-        MouseButton::Left => Some(Button::Left),
-        MouseButton::Middle => Some(Button::Middle),
-        MouseButton::Right => Some(Button::Right),
-        _ => None,
-    };
-    match event {
-        WindowEvent::CloseRequested => Some(Input::Close),
-        WindowEvent::Resized(size) => Some(Input::Size((*size).into())),
-        WindowEvent::Focused(false) => Some(Input::FocusLost),
-        WindowEvent::ModifiersChanged(modifiers) => {
-            let state = modifiers.state();
-            Some(Input::Modifiers { shift: state.shift_key(), control: state.control_key() })
-        }
-        WindowEvent::CursorMoved { position, .. } => Some(Input::Cursor([position.x, position.y])),
-        WindowEvent::MouseInput { state: ElementState::Pressed, button: pressed, .. } => {
-            button(pressed).map(Input::ButtonDown)
-        }
-        WindowEvent::MouseInput { state: ElementState::Released, button: released, .. } => {
-            button(released).map(Input::ButtonUp)
-        }
-        WindowEvent::MouseWheel { delta, .. } => Some(Input::Wheel(match delta {
-            MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
-            MouseScrollDelta::PixelDelta(pixels) => pixels.y / NOTCH,
-        })),
-        WindowEvent::KeyboardInput { event, is_synthetic, .. } => {
-            let key = key(&event.logical_key);
-            match event.state {
-                // Keys that were down before the window had the focus are not meant for it.
-                ElementState::Pressed if *is_synthetic => None,
-                ElementState::Pressed => key.map(|key| Input::KeyDown { key, repeat: event.repeat }),
-                ElementState::Released => key.map(Input::KeyUp),
-            }
-        }
-        _ => None,
-    }
-}
-
-fn key(key: &WinitKey) -> Option<Key> {
-    match key {
-        WinitKey::Character(text) => text.chars().next().map(Key::Char),
-        WinitKey::Named(named) => match named {
-            NamedKey::ArrowLeft => Some(Key::Left),
-            NamedKey::ArrowRight => Some(Key::Right),
-            NamedKey::ArrowUp => Some(Key::Up),
-            NamedKey::ArrowDown => Some(Key::Down),
-            NamedKey::Escape => Some(Key::Escape),
-            NamedKey::Tab => Some(Key::Tab),
-            NamedKey::Space => Some(Key::Char(' ')),
-            NamedKey::F1 => Some(Key::F(1)),
-            NamedKey::F11 => Some(Key::F(11)),
-            NamedKey::F12 => Some(Key::F(12)),
-            _ => None,
-        },
-        _ => None,
     }
 }

@@ -35,7 +35,18 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
             }
             of_file(arguments.output.as_deref().unwrap_or(Path::new("a.png")), &mut tell);
         }
-        Command::View(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
+        Command::View(arguments) if PictureFormat::is_named_any(Path::new(&arguments.scene)) => {
+            // Groups of options have the names of types.
+            let is_option = |id: &&str| id.starts_with(|c: char| c.is_ascii_lowercase());
+            let given = matches.ids().map(|id| id.as_str()).filter(is_option);
+            let given = given.filter(|id| is_given(id) && !OF_PICTURES.contains(id));
+            let given = given.map(|id| format!("--{}", id.replace('_', "-")));
+            reported.extend(given.map(|option| format!("{option} has no effect on finished pictures")));
+        }
+        Command::View(arguments) => {
+            of_integrator(arguments.frame.integrator, &mut tell);
+            tell(&FINISHED, "on scenes");
+        }
         Command::Trace(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
         Command::Join(arguments) => {
             if keeps_light(&arguments.output) {
@@ -72,6 +83,33 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
     }
     reported
 }
+
+/// Options of `view` for finished pictures alone.
+const FINISHED: [(&str, &str); 4] =
+    [("layer", "--layer"), ("compare", "--compare"), ("compare_as", "--compare-as"), ("fps", "--fps")];
+
+/// All options of `view` that matter to finished pictures.
+const OF_PICTURES: [&str; 19] = [
+    "scene",
+    "headless",
+    "output",
+    "layer",
+    "compare",
+    "compare_as",
+    "fps",
+    "tone",
+    "exposure",
+    "bits",
+    "compression",
+    "tile_size",
+    "primaries",
+    "quality",
+    "frames",
+    "threads",
+    "quiet",
+    "verbose",
+    "help",
+];
 
 /// Choices of how pictures are stored.
 const STORED: [(&str, &str); 5] = [

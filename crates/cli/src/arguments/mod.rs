@@ -103,7 +103,7 @@ pub(crate) enum Command {
     #[command(
         args_override_self = true,
         disable_help_flag = true,
-        after_long_help = gnurt_view::KEYS,
+        after_long_help = format!("{}\n\nKeys with finished pictures:\n{}", gnurt_view::KEYS, gnurt_view::PICTURE_KEYS),
         // A window keeps refining the picture, up to this many samples; timed frames take one sample each.
         mut_arg("spp", |spp| spp.default_value("1024").default_value_if("headless", "true", "1"))
     )]

@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::Args;
-use gnurt_view::TevAddress;
+use gnurt_view::{Comparison, TevAddress};
 
 use super::value;
 use super::{
@@ -16,12 +16,12 @@ use super::{
 /// Arguments of `view`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct WindowArguments {
-    /// Scene file ({SCENES}) or builtin:NAME
+    /// Scene file ({SCENES}) or builtin:NAME; or a finished picture ({PICTURES}), or a film of them: frame.####.exr
     pub(crate) scene: OsString,
-    /// Render without a window and print the frame rate
+    /// Render without a window and print the frame rate; of pictures, write one to --output
     #[arg(help_heading = "Picture", long)]
     pub(crate) headless: bool,
-    /// Picture to write of the last frame: {PICTURES}; only without a window
+    /// Picture to write, of a scene's last frame: {PICTURES}; only without a window
     #[arg(
         help_heading = "Picture",
         hide_short_help = true,
@@ -31,6 +31,8 @@ pub(crate) struct WindowArguments {
         allow_hyphen_values = true
     )]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) pictures: FinishedArguments,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
     /// Orbit of the camera around its target over all frames, in degrees; only without a window [default: 360 for several frames]
@@ -75,4 +77,22 @@ pub(crate) struct WindowArguments {
     pub(crate) verbosity_arguments: VerbosityArguments,
     #[command(flatten)]
     pub(crate) help: HelpArguments,
+}
+
+/// How finished pictures are shown.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Finished pictures")]
+pub(crate) struct FinishedArguments {
+    /// Layer to show: color, or a name that `gnurt info` lists, such as N, albedo or depth.Z [default: color]
+    #[arg(long, value_name = "NAME", allow_hyphen_values = true)]
+    pub(crate) layer: Option<String>,
+    /// Picture or film to compare with
+    #[arg(long, value_name = "PICTURE", allow_hyphen_values = true)]
+    pub(crate) compare: Option<PathBuf>,
+    /// How the two are shown: first, second, split, difference or flip (differences that people see) [default: split]
+    #[arg(long, value_name = "HOW", allow_hyphen_values = true, hide_short_help = true)]
+    pub(crate) compare_as: Option<Comparison>,
+    /// Frames of a film in a second
+    #[arg(long, value_name = "N", value_parser = value::frames_per_second, default_value = "24", allow_hyphen_values = true, hide_short_help = true)]
+    pub(crate) fps: f64,
 }

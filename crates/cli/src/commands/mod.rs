@@ -17,6 +17,7 @@ pub(crate) mod join;
 mod light_layers;
 pub(crate) mod manuals;
 mod picture_info;
+mod pictures;
 mod pieces;
 pub(crate) mod relight;
 pub(crate) mod render;

@@ -2,13 +2,16 @@
 //! `gnurt view SCENE`: a window to fly through a scene; with `--headless` or `--display` frames without a window.
 //! Tests: `tests/program/viewing.rs`, `tests/program/window.rs`.
 
+use std::path::Path;
+
 use gnurt::ThreadPool;
-use gnurt::image::Picture;
+use gnurt::image::{Picture, PictureFormat};
 use gnurt::simd::Level;
 use gnurt_view::{Exposure, FrameTimes, HeadlessOptions, Rest, TevImage, ViewError, run_headless};
 use serde_json::json;
 
 use super::frame::frame_options;
+use super::pictures;
 use super::stage::{prepare, show_view};
 use crate::arguments::{DisplayOptions, ExposureChoice, StatisticsForm, WindowArguments};
 use crate::environment::Environment;
@@ -24,6 +27,9 @@ use crate::workers::machine;
 
 /// Shows a scene in a window.
 pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messages: Messages) -> Outcome {
+    if PictureFormat::is_named_any(Path::new(&arguments.scene)) {
+        return pictures::run(arguments, environment, messages);
+    }
     let windowless = arguments.headless || arguments.display.is_some();
     view::check(&arguments.view)?;
     shaders::check(&arguments.frame, &arguments.view)?;

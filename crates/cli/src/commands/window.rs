@@ -50,8 +50,8 @@ pub(super) fn show_window(
 }
 
 /// Prints the window's messages as the program's.
-struct Speaker {
-    messages: Messages,
+pub(super) struct Speaker {
+    pub(super) messages: Messages,
 }
 
 impl Listener for Speaker {

@@ -20,6 +20,7 @@ mod determinism;
 mod differences;
 mod display;
 mod film;
+mod finished;
 #[cfg(all(feature = "usd", target_os = "linux"))]
 mod freecad;
 mod harness;

@@ -200,6 +200,40 @@ fn clips_are_played_and_stepped() {
 }
 
 #[test]
+fn finished_pictures_are_shown() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    for (name, seed) in [("f.0001", 1), ("f.0002", 2), ("f.0003", 3), ("g", 4)] {
+        let line = format!(
+            "render builtin:materials -r 320x240 --spp 1 --seed {seed} --layers normal -o {name}.exr"
+        );
+        folder.gnurt(&line).success();
+        folder.gnurt(&format!("convert {name}.exr {name}.png --exposure 1 --tone clamp")).success();
+    }
+    let of = |name: &str| gnurt::image::read(&folder.at(name)).expect("a picture");
+    let line = "view f.####.exr --compare g.exr --compare-as first -t 2 --exposure 1 --tone clamp";
+    let mut viewer = Viewer::open(&display, &folder, line);
+    assert!(viewer.picture().color == of("f.0001.png").color, "as it is in the file");
+    display.act("key period");
+    assert!(viewer.picture().color == of("f.0002.png").color, "the next frame");
+    display.act("key comma key comma");
+    assert!(viewer.picture().color == of("f.0003.png").color, "before the first one");
+    display.act("key 2");
+    let second = viewer.picture();
+    assert!(second.color == of("g.png").color, "the other picture");
+    display.act("key 3");
+    let split = viewer.picture();
+    assert!(split.color[0] == of("f.0003.png").color[0] && split.color[319] == second.color[319], "both");
+    display.act("key 1 key Tab");
+    let normals = viewer.picture();
+    assert!(differ(&normals, &split), "a layer");
+    display.act("key Tab click 4 click 4");
+    assert!(differ(&viewer.picture(), &of("f.0003.png")), "larger");
+    display.act("key x key i key h key space sleep 0.3 key space key Escape");
+    viewer.ends(0);
+}
+
+#[test]
 fn hands_move_the_camera() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
