@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use gnurt::scene::Camera;
 
+use crate::choices::Choices;
 use crate::exposure::Exposure;
 use crate::flight::Flight;
 use crate::input::{Button, Input, Key};
@@ -57,6 +58,8 @@ pub struct Controls {
     pub playing: Option<Playing>,
     /// Parameters of shaders.
     pub shader_controls: ShaderControls,
+    /// Cameras of the scene, and clips with their names, that keys choose from.
+    pub choices: Choices,
     initial: Flight,
     initial_exposure: Exposure,
     fullscreen: bool,
@@ -127,6 +130,7 @@ impl Controls {
             recording: false,
             playing: None,
             shader_controls: ShaderControls::default(),
+            choices: Choices::default(),
             fullscreen: false,
             held: Vec::new(),
             shift: false,
@@ -260,6 +264,10 @@ impl Controls {
             Key::Char('i') => return self.adjust_control(1.0),
             Key::Char('U') => return self.adjust_control(-MANY),
             Key::Char('I') => return self.adjust_control(MANY),
+            Key::Char(']') => self.choose_camera(1),
+            Key::Char('[') => self.choose_camera(-1),
+            Key::Char('}') => self.choose_clip(1),
+            Key::Char('{') => self.choose_clip(-1),
             Key::Char('b') => self.expose(STOPS),
             Key::Char('B') => self.expose(-STOPS),
             _ if repeat => {}
@@ -302,6 +310,21 @@ impl Controls {
 
     fn adjust_control(&mut self, steps: f32) -> Option<Effect> {
         self.shader_controls.adjust_control(steps).then_some(Effect::Tune)
+    }
+
+    /// Looks through another camera of the scene.
+    fn choose_camera(&mut self, by: isize) {
+        let found = self.choices.next_camera(by);
+        if let Some(flight) = found.and_then(Flight::new) {
+            self.flight = flight;
+        }
+    }
+
+    /// Shows another clip, at rest.
+    fn choose_clip(&mut self, by: isize) {
+        if let Some(range) = self.choices.next_clip(by) {
+            self.playing = Some(Playing::new(range));
+        }
     }
 
     fn step(&mut self, frames: f64) {
@@ -453,6 +476,25 @@ mod tests {
         assert!(!c.is_playing(), "it was stepped");
         feed(&mut c, &[down(Key::Char('r'))]);
         assert_eq!(c.playing.as_ref().and_then(Playing::clip_time), None, "back to rest");
+    }
+
+    #[test]
+    fn cameras_and_clips_are_chosen() {
+        let mut c = controls();
+        feed(&mut c, &[down(Key::Char(']')), down(Key::Char('}'))]);
+        assert!(c.flight == controls().flight && c.playing.is_none(), "there are none");
+        let at = |x: f32| Camera { eye: [x, 0.0, 9.0], ..controls().flight.camera() };
+        c.choices = Choices::new(
+            vec![at(1.0), at(2.0)],
+            vec![("walk".into(), [0.0, 1.0]), ("run".into(), [0.0, 3.0])],
+            Some(0),
+        );
+        feed(&mut c, &[down(Key::Char(']'))]);
+        assert_eq!(c.flight.camera().eye, [1.0, 0.0, 9.0], "the first one");
+        feed(&mut c, &[down(Key::Char('[')), down(Key::Char('}'))]);
+        assert_eq!(c.flight.camera().eye, [2.0, 0.0, 9.0], "a circle");
+        assert_eq!(c.playing.as_ref().map(Playing::range), Some([0.0, 3.0]), "the other clip");
+        assert_eq!(c.choices.clip(), Some(1));
     }
 
     #[test]

@@ -33,6 +33,8 @@ W A S D  Q E        fly: forward, left, back, right, down, up
 arrows              turn the head
 + -                 fly faster, slower
 R                   back to the beginning
+[ ]                 the scene's cameras
+{ }                 its clips
 1 .. 9 0, Tab       what is shown
 b B                 brighter, darker
 T                   tone curve
@@ -79,6 +81,7 @@ pub(crate) fn lines(
         format!("{}  EV {:+.2}  {}", controls.shown, exposure.stops, exposure.tone),
     ];
     lines.extend(controls.playing.as_ref().map(|playing| playing.line(readings.update_seconds * 1e3)));
+    lines.extend(controls.choices.line());
     lines.extend(controls.shader_controls.lines());
     lines.extend(messages.iter().cloned());
     lines

@@ -9,6 +9,7 @@
 #![cfg_attr(not(feature = "window"), expect(dead_code, reason = "half of it serves windows alone"))]
 
 mod camera_options;
+mod choices;
 mod controls;
 mod error;
 #[cfg(feature = "window")]
@@ -40,6 +41,7 @@ mod watch;
 mod window;
 
 pub use camera_options::camera_options;
+pub use choices::{Choices, NamedClip};
 pub use controls::{Controls, Effect};
 pub use error::ViewError;
 pub use exposure::Exposure;

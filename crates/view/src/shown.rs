@@ -19,6 +19,8 @@ pub enum Shown {
     Depth,
     /// A colour for each id of this channel in the picture's layer `id`.
     Ids(&'static str),
+    /// Base colours, with lines where triangles meet.
+    Wireframe,
 }
 
 impl Shown {
@@ -27,7 +29,7 @@ impl Shown {
     pub fn all() -> Vec<Self> {
         let light = Integrator::ALL.into_iter().map(Self::Light);
         let ids = ["material", "instance", "prim"].map(Self::Ids);
-        light.chain([Self::Albedo, Self::Depth]).chain(ids).collect()
+        light.chain([Self::Albedo, Self::Depth]).chain(ids).chain([Self::Wireframe]).collect()
     }
 
     /// The one at this offset in the list, which is a circle.
@@ -65,7 +67,7 @@ impl Shown {
         };
         match self {
             Self::Light(_) => out.iter_mut().zip(&picture.color).for_each(|(out, &color)| *out = color),
-            Self::Albedo => {
+            Self::Albedo | Self::Wireframe => {
                 for (k, name) in ["R", "G", "B"].into_iter().enumerate() {
                     let values = floats("albedo", name).unwrap_or_default();
                     out.iter_mut().zip(values).for_each(|(out, &value)| out[k] = value);
@@ -78,6 +80,18 @@ impl Shown {
             Self::Ids(name) => {
                 let values = ids(name).unwrap_or_default();
                 out.iter_mut().zip(values).for_each(|(out, &id)| *out = id_color(id));
+            }
+        }
+        if self == Self::Wireframe {
+            let [prims, instances] = ["prim", "instance"].map(|name| ids(name).unwrap_or_default());
+            let place = |i: usize| (prims.get(i), instances.get(i));
+            let width = (picture.width as usize).max(1);
+            for (i, pixel) in out.iter_mut().enumerate() {
+                let right = if (i + 1) % width == 0 { i } else { i + 1 };
+                let below = if i + width < picture.pixel_count() { i + width } else { i };
+                let is_edge = place(i) != place(right) || place(i) != place(below);
+                // Lines are dark, faces are paler than they are.
+                *pixel = if is_edge { [0.0; 4] } else { pixel.map(|x| 0.3 + 0.5 * x) };
             }
         }
         out.iter_mut().for_each(|pixel| pixel[3] = 1.0);
@@ -93,6 +107,7 @@ impl fmt::Display for Shown {
             Self::Ids("material") => "materials",
             Self::Ids("instance") => "instances",
             Self::Ids(_) => "triangles",
+            Self::Wireframe => "wireframe",
         })
     }
 }
@@ -146,6 +161,13 @@ mod tests {
             "half way, and nothing"
         );
         assert_eq!(colors(Shown::Albedo), [[0.1, 0.3, 0.5, 1.0], [0.2, 0.4, 0.6, 1.0]], "as it is");
+        let mut meshed = picture.clone();
+        meshed.layers.push(Layer::ids("id", [("prim", vec![1, 2]), ("instance", vec![3, 3])]));
+        meshed.layers.swap_remove(1);
+        let mut lines = [[9.0; 4]; 2];
+        Shown::Wireframe.colors(&meshed, 1.0, &mut lines);
+        assert_eq!(lines[0], [0.0, 0.0, 0.0, 1.0], "another triangle is next to it");
+        assert!((lines[1][0] - 0.4).abs() < 1e-6, "a face: {lines:?}");
         let [thing, nothing] = colors(Shown::Ids("material"));
         assert!(
             thing[..3].iter().all(|&x| x > 0.05) && nothing == [0.0, 0.0, 0.0, 1.0],

@@ -57,6 +57,14 @@ impl Stage {
         self.commit(pool)
     }
 
+    /// Plays another clip from now on; one that is not there changes nothing.
+    pub(crate) fn choose_clip(&mut self, clip: usize) {
+        if self.scene.animation().is_some_and(|animation| clip < animation.clips.len()) {
+            self.scene.rest();
+            self.clip = Some(clip);
+        }
+    }
+
     fn commit(&mut self, pool: &ThreadPool) -> Result<(), String> {
         let committed = self.world.commit(&self.scene, &self.scripts.table, &self.how, pool);
         committed.map(drop).map_err(|error| error.to_string())

@@ -21,6 +21,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy}
 use winit::window::{Fullscreen, Window, WindowId};
 
 use crate::camera_options::camera_options;
+use crate::choices::Choices;
 use crate::controls::{Controls, Effect};
 use crate::error::ViewError;
 use crate::events::input;
@@ -88,6 +89,7 @@ pub fn run_window(
         Controls::new(&options.camera, shown, options.exposure, size).ok_or(ViewError::NoView)?;
     controls.denoised = options.is_denoised;
     controls.playing = stage.range().map(Playing::new);
+    controls.choices = Choices::of(&stage.scene, stage.clip);
     let events =
         EventLoop::<RenderEvent>::with_user_event().build().map_err(|error| ViewError::no_display(&error))?;
     let proxy = events.create_proxy();
@@ -207,6 +209,7 @@ impl App {
             paused: self.controls.paused,
             denoised: self.controls.denoised,
             clip_time: self.controls.playing.as_ref().and_then(Playing::clip_time),
+            clip: self.controls.choices.clip(),
         }
     }
 
@@ -416,7 +419,11 @@ impl ApplicationHandler<RenderEvent> for App {
                 self.watch = Watch::new(files);
                 self.check_shaders();
                 self.bad_shader.clear();
-                let range = self.open.as_ref().and_then(|open| open.render_thread.stage().range());
+                let stage = self.open.as_ref().map(|open| open.render_thread.stage());
+                let range = stage.as_ref().and_then(|stage| stage.range());
+                if let Some(stage) = stage {
+                    self.controls.choices = Choices::of(&stage.scene, stage.clip);
+                }
                 let is_same = self.controls.playing.as_ref().map(Playing::range) == range;
                 if !is_same {
                     self.controls.playing = range.map(Playing::new);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What keys and mouse mean while pictures are shown. Pure: no window, no files. Tests: `tests`.
+//! The meaning of keys and mouse while pictures are shown. Pure: no window, no files. Tests: `tests`.
 
 use gnurt::image::ToneCurve;
 
@@ -144,7 +144,7 @@ impl Controls {
         (self.comparison == Comparison::Split && is_inside).then_some(column as usize)
     }
 
-    /// Exposure and tone curve of what is shown: data and differences that people see have no curve.
+    /// Exposure and tone curve of the shown part: data and differences that people see have no curve.
     pub(crate) fn shown_exposure(&self) -> Exposure {
         match self.item == Item::Color && self.comparison != Comparison::Flip {
             true => self.exposure,

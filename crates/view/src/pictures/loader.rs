@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures of films, read by a thread of its own: the shown frame first, then those that come next, as many as memory allows.
+//! Pictures of films, read by a thread of its own: the shown frame first, then those that come next, up to a limit of memory.
 //! Invariant: no lock is held while a file is read. Tests: `tests`.
 
 use std::collections::HashMap;

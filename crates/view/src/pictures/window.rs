@@ -211,7 +211,7 @@ impl App {
         self.message = Some((Instant::now(), message));
     }
 
-    /// Composes what is shown, if it is something else than before.
+    /// Composes the shown picture, if it is another one than before.
     fn compose(&mut self) {
         let Some(shown) = &self.shown else { return };
         let [first, second] = [shown.pictures.first(), shown.pictures.get(1)];

@@ -70,7 +70,7 @@ impl RenderThread {
             return;
         }
         let old = &pending.request;
-        let key_of = |request: &RenderRequest| (request.shown, request.size, request.clip_time);
+        let key_of = |request: &RenderRequest| (request.shown, request.size, request.clip_time, request.clip);
         if old.camera != request.camera || key_of(old) != key_of(request) {
             pending.view += 1;
             self.shared.view.store(pending.view, Ordering::Relaxed);

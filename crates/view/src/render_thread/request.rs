@@ -30,6 +30,8 @@ pub(crate) struct RenderRequest {
     pub(crate) denoised: bool,
     /// The time of the clip; `None` = the scene at rest.
     pub(crate) clip_time: Option<f64>,
+    /// The clip; `None` = the stage's own.
+    pub(crate) clip: Option<usize>,
 }
 
 impl RenderRequest {

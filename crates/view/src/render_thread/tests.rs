@@ -47,6 +47,7 @@ fn begin_on(loader: Loader, stage: Stage) -> (RenderThread, Receiver<RenderEvent
         paused: false,
         denoised: false,
         clip_time: None,
+        clip: None,
     };
     let (sender, events) = channel();
     let notify = Box::new(move |what| drop(sender.send(what)));

@@ -53,6 +53,8 @@ pub(super) struct Work {
     clean_seconds: f64,
     /// The time that the world shows, and the cost of the update.
     clip_time: Option<f64>,
+    /// The clip that was requested last.
+    clip: Option<usize>,
     update_seconds: f64,
 }
 
@@ -127,6 +129,7 @@ impl Work {
             noisy_seconds: 0.0,
             clean_seconds: 0.0,
             clip_time: None,
+            clip: None,
             update_seconds: 0.0,
         }
     }
@@ -171,7 +174,7 @@ impl Work {
                 present = Some(Present::nothing(view, request.shown));
                 continue;
             }
-            if let Err(why) = self.update(request.clip_time) {
+            if let Err(why) = self.update(request.clip_time, request.clip) {
                 (self.notify)(RenderEvent::Trouble(why));
             }
             let next = match self.next(present.take(), &request, view) {
@@ -186,11 +189,15 @@ impl Work {
         }
     }
 
-    /// Brings the world to a time, if it is at another.
-    fn update(&mut self, clip_time: Option<f64>) -> Result<(), String> {
-        if self.clip_time == clip_time {
+    /// Brings the world to a time of a clip, if it is at another.
+    fn update(&mut self, clip_time: Option<f64>, clip: Option<usize>) -> Result<(), String> {
+        if (self.clip_time, self.clip) == (clip_time, clip) {
             return Ok(());
         }
+        if let Some(clip) = clip.filter(|_| self.clip != clip) {
+            self.on_stage(|stage, _| stage.choose_clip(clip));
+        }
+        self.clip = clip;
         // A time that cannot be shown is not tried again and again.
         self.clip_time = clip_time;
         let begin = Instant::now();
