@@ -58,7 +58,7 @@ pub(crate) fn network(reader: &Reader, surface: &Path) -> Network {
                 }
                 Some(Source::Value(found)) => {
                     let space =
-                        reader.metadata(&shader, &property, "colorSpace").as_ref().and_then(value::word);
+                        reader.metadata(&shader, property, "colorSpace").as_ref().and_then(value::word);
                     let space = space.unwrap_or_default();
                     if id.starts_with("ND_geompropvalue_vector2") && input == "geomprop" {
                         network.texcoords = value::word(&found);

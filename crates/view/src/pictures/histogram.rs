@@ -50,7 +50,7 @@ impl Histogram {
                 let from_below = rows - row;
                 let lit = [16, 8, 0].into_iter().zip(lengths).filter(|(_, length)| from_below <= *length);
                 let lit = lit.fold(0, |color, (shift, _)| color | 0xd0 << shift);
-                let is_line = column / scale == white && row / (2 * scale) % 2 == 0;
+                let is_line = column / scale == white && (row / (2 * scale)).is_multiple_of(2);
                 *pixel = match lit {
                     _ if is_line => 0x00f4_f4f4,
                     0 => *pixel >> 2 & 0x003f_3f3f,

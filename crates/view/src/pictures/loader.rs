@@ -163,7 +163,7 @@ mod tests {
                 _ => Ok(Picture::new(10, 10)),
             }
         };
-        let notify = move || drop(done.send(()));
+        let notify = move || _ = done.send(());
         (Loader::begin(Box::new(read), most, Box::new(notify)).expect("a thread"), asked, news)
     }
 

@@ -132,6 +132,9 @@ struct Composed {
     histogram: Histogram,
 }
 
+/// The pixels of a window.
+type Pixels = Surface<Rc<Window>, Rc<Window>>;
+
 struct App {
     options: PictureOptions,
     controls: Controls,
@@ -141,7 +144,7 @@ struct App {
     listener: Arc<dyn Listener>,
     /// Of the first picture.
     size: [u32; 2],
-    open: Option<(Rc<Window>, Surface<Rc<Window>, Rc<Window>>)>,
+    open: Option<(Rc<Window>, Pixels)>,
     failure: Option<ViewError>,
     shown: Option<ShownFrame>,
     composed: Option<Composed>,
