@@ -165,6 +165,12 @@ impl Controls {
         self.drag.is_some() || self.is_flying()
     }
 
+    /// Whether a control key is held.
+    #[must_use]
+    pub fn is_control_held(&self) -> bool {
+        self.control
+    }
+
     /// Processes an event.
     pub fn handle(&mut self, input: Input) -> Option<Effect> {
         match input {
@@ -310,6 +316,13 @@ impl Controls {
 
     fn adjust_control(&mut self, steps: f32) -> Option<Effect> {
         self.shader_controls.adjust_control(steps).then_some(Effect::Tune)
+    }
+
+    /// Looks through the first camera of another scene; R comes back to it.
+    pub(crate) fn look_from_first(&mut self) {
+        self.choose_camera(1);
+        self.initial = self.flight.clone();
+        self.speed = self.flight.distance() / SECONDS_TO_TARGET;
     }
 
     /// Looks through another camera of the scene.

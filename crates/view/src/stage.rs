@@ -2,7 +2,7 @@
 //! The stage of a viewer: scene, world and shaders, with the functions that load them and report faults.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use gnurt::ThreadPool;
 use gnurt::osl::ParameterValue;
@@ -131,8 +131,9 @@ impl fmt::Debug for Stage {
     }
 }
 
-/// Reads and commits the scene, in the beginning and whenever a file has changed; the error is one line.
-pub type Loader = Box<dyn Fn(&ThreadPool) -> Result<Stage, String> + Send>;
+/// Reads and commits the scene whenever a file has changed; a file that is given replaces the scene from then on. The error is one
+/// line.
+pub type Loader = Box<dyn Fn(Option<&Path>, &ThreadPool) -> Result<Stage, String> + Send>;
 
 /// The receiver of messages for the user.
 pub trait Listener: Send + Sync {

@@ -24,7 +24,7 @@ use crate::camera_options::camera_options;
 use crate::choices::Choices;
 use crate::controls::{Controls, Effect};
 use crate::error::ViewError;
-use crate::events::input;
+use crate::events::{ByPlace, input};
 use crate::exposure::Exposure;
 use crate::hud;
 use crate::input::Input;
@@ -415,7 +415,7 @@ impl ApplicationHandler<RenderEvent> for App {
     fn user_event(&mut self, _: &ActiveEventLoop, render_event: RenderEvent) {
         match render_event {
             RenderEvent::Picture => self.take_screenshot(),
-            RenderEvent::Reloaded(files) => {
+            RenderEvent::Reloaded { files, is_other } => {
                 self.watch = Watch::new(files);
                 self.check_shaders();
                 self.bad_shader.clear();
@@ -428,8 +428,12 @@ impl ApplicationHandler<RenderEvent> for App {
                 if !is_same {
                     self.controls.playing = range.map(Playing::new);
                 }
-                self.listener.note("the scene was read again");
-                self.report(vec!["the scene was read again".into()]);
+                if is_other {
+                    self.controls.look_from_first();
+                }
+                let news = if is_other { "another scene was read" } else { "the scene was read again" };
+                self.listener.note(news);
+                self.report(vec![news.into()]);
             }
             RenderEvent::Shaders(lines) => {
                 self.check_shaders();
@@ -467,7 +471,14 @@ impl ApplicationHandler<RenderEvent> for App {
             }
             return;
         }
-        if let Some(input) = input(&event) {
+        if let WindowEvent::DroppedFile(path) = &event {
+            if let Some(open) = &self.open {
+                open.render_thread.reload(Some(path.clone()));
+            }
+            return self.report(vec![format!("reading {}", path.display())]);
+        }
+        let by_place = ByPlace::Flight { is_control_held: self.controls.is_control_held() };
+        if let Some(input) = input(&event, by_place) {
             self.handle(events, input);
         }
     }
@@ -483,7 +494,7 @@ impl ApplicationHandler<RenderEvent> for App {
             self.watched = Instant::now();
             self.report_faults();
             if let Some(open) = self.open.as_ref().filter(|_| self.watch.has_changed()) {
-                open.render_thread.reload();
+                open.render_thread.reload(None);
             }
         }
         if self.shaders_watched.elapsed() >= SHADERS_WATCHED {

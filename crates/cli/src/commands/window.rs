@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The window of `gnurt view`, with the feature `window`. Tests: `tests/program/window.rs`.
 
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use gnurt::ThreadPool;
 use gnurt::display_rules::is_noisy;
@@ -12,6 +12,7 @@ use gnurt_view::{Exposure, Listener, WindowOptions, run_window};
 use super::frame::frame_options;
 use super::stage::{prepare, show_view};
 use crate::arguments::WindowArguments;
+use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
 use crate::signals::{self, FirstSignal};
@@ -40,11 +41,21 @@ pub(super) fn show_window(
         is_denoised: arguments.denoiser.options_or_built_in(None).is_some() && is_noisy(render.integrator, 1),
         render,
     };
-    let again = (source, arguments.clone());
-    let loader = Box::new(move |pool: &ThreadPool| {
+    let again = (Mutex::new(source), arguments.clone());
+    let loader = Box::new(move |file: Option<&Path>, pool: &ThreadPool| {
         let (source, arguments) = &again;
-        let stage = prepare(source, arguments, level, pool, messages).map(|(stage, _)| stage);
-        stage.map_err(|failure| failure.message().unwrap_or("it cannot be read").to_owned())
+        let known = || source.lock().unwrap_or_else(PoisonError::into_inner);
+        // No lock is held while a scene is read.
+        let next = match file {
+            Some(file) => Source::find(file.as_os_str(), &arguments.files, &Environment::default()),
+            None => Ok(known().clone()),
+        };
+        let read = next.and_then(|next| {
+            let (stage, _) = prepare(&next, arguments, level, pool, messages)?;
+            *known() = next;
+            Ok(stage)
+        });
+        read.map_err(|failure| failure.message().unwrap_or("it cannot be read").to_owned())
     });
     run_window(options, stage, pool, loader, Arc::new(Speaker { messages })).map_err(Failure::data)
 }

@@ -25,7 +25,7 @@ use super::hud::{self, PICTURE_KEYS};
 use super::items::{Item, items};
 use super::loader::{Loader, ReadPicture};
 use crate::error::ViewError;
-use crate::events::input;
+use crate::events::{ByPlace, input};
 use crate::exposure::Exposure;
 use crate::screen::{Part, develop};
 use crate::stage::Listener;
@@ -372,7 +372,7 @@ impl ApplicationHandler<()> for App {
             }
             WindowEvent::DroppedFile(path) => self.show_file(path),
             _ => {
-                if let Some(input) = input(&event) {
+                if let Some(input) = input(&event, ByPlace::None) {
                     let effect = self.controls.handle(input);
                     self.handle(events, effect);
                 }

@@ -49,6 +49,7 @@ impl RenderThread {
                 request,
                 view: 1,
                 reload: false,
+                file: None,
                 changed: Vec::new(),
                 tuned: Vec::new(),
             }),
@@ -79,9 +80,12 @@ impl RenderThread {
         self.shared.bell.notify_all();
     }
 
-    /// Reads the scene again.
-    pub(crate) fn reload(&self) {
-        lock(&self.shared.request).reload = true;
+    /// Reads the scene again, or another one from a file.
+    pub(crate) fn reload(&self, file: Option<PathBuf>) {
+        let mut pending = lock(&self.shared.request);
+        pending.reload = true;
+        pending.file = file.or(pending.file.take());
+        drop(pending);
         // The picture in work is not needed any more.
         self.shared.view.store(0, Ordering::Relaxed);
         self.shared.bell.notify_all();

@@ -81,6 +81,8 @@ pub(super) struct Pending {
     /// Rises when another picture is needed, not only another exposure.
     pub(super) view: u64,
     pub(super) reload: bool,
+    /// The file of another scene that is to be read then.
+    pub(super) file: Option<PathBuf>,
     /// Files of shaders that have changed.
     pub(super) changed: Vec<PathBuf>,
     /// Values of shaders' parameters, the last one of each.
@@ -102,8 +104,8 @@ impl Pending {
 pub(crate) enum RenderEvent {
     /// There is another front.
     Picture,
-    /// The scene was read again.
-    Reloaded(Vec<PathBuf>),
+    /// The scene was read again from these files, or another one was.
+    Reloaded { files: Vec<PathBuf>, is_other: bool },
     /// Shaders were read again; the messages about it, a line each.
     Shaders(Vec<String>),
     /// A shader could not be read again; the one before stays.

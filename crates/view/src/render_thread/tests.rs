@@ -72,7 +72,7 @@ fn is_finished(front: &DisplayFrame) -> bool {
 
 #[test]
 fn what_is_seen_at_last_is_what_render_makes() {
-    let (render_thread, _events, mut request) = begin(Box::new(load));
+    let (render_thread, _events, mut request) = begin(Box::new(|_, pool| load(pool)));
     // Restless: views come faster than pictures.
     for step in 0..30 {
         request.camera.eye[0] += 0.001;
@@ -100,7 +100,7 @@ fn what_is_seen_at_last_is_what_render_makes() {
 /// pixels.
 #[test]
 fn pictures_are_whole_when_they_are_shown() {
-    let (render_thread, _events, mut request) = begin(Box::new(load));
+    let (render_thread, _events, mut request) = begin(Box::new(|_, pool| load(pool)));
     wait_for(&render_thread, "finished picture", is_finished);
     request.moving = true;
     let mut cameras = Vec::new();
@@ -140,7 +140,7 @@ fn pictures_are_whole_when_they_are_shown() {
 /// `render`.
 #[test]
 fn remembered_pictures_are_full_size() {
-    let (render_thread, _events, mut request) = begin(Box::new(load));
+    let (render_thread, _events, mut request) = begin(Box::new(|_, pool| load(pool)));
     request.shown = Shown::Light(Integrator::Path);
     for moving in [true, false] {
         for _ in 0..10 {
@@ -165,7 +165,7 @@ fn remembered_pictures_are_full_size() {
 
 #[test]
 fn moving_pictures_are_coarse_and_rest_makes_them_whole() {
-    let (render_thread, _events, mut request) = begin(Box::new(load));
+    let (render_thread, _events, mut request) = begin(Box::new(|_, pool| load(pool)));
     wait_for(&render_thread, "finished picture", is_finished);
     request.moving = true;
     request.camera.eye[0] += 0.01;
@@ -187,7 +187,7 @@ fn moving_pictures_are_coarse_and_rest_makes_them_whole() {
 
 #[test]
 fn noise_goes_when_asked_for() {
-    let (render_thread, _events, mut request) = begin(Box::new(load));
+    let (render_thread, _events, mut request) = begin(Box::new(|_, pool| load(pool)));
     wait_for(&render_thread, "finished picture", is_finished);
     let noisy = render_thread.front().colors.clone();
     request.denoised = true;
@@ -245,7 +245,7 @@ fn falling(pool: &ThreadPool) -> Result<Stage, String> {
 #[test]
 fn moments_are_those_of_the_scene() {
     let pool = gnurt::thread_pool(1).expect("a thread");
-    let (render_thread, events, mut request) = begin_with(Box::new(falling), falling);
+    let (render_thread, events, mut request) = begin_with(Box::new(|_, pool| falling(pool)), falling);
     wait_for(&render_thread, "finished picture", is_finished);
     // Played: moments come faster than pictures, and are seen all the same.
     request.moving = true;
@@ -274,25 +274,36 @@ fn moments_are_those_of_the_scene() {
 fn scenes_are_read_again_or_stay() {
     let count = AtomicU64::new(0);
     let (render_thread, events, _) =
-        begin(Box::new(move |pool| match count.fetch_add(1, Ordering::Relaxed) {
+        begin(Box::new(move |file, pool| match count.fetch_add(1, Ordering::Relaxed) {
             0 => Err("line 3 is broken".into()),
+            2 => load(pool).map(|stage| Stage { files: file.map(Into::into).into_iter().collect(), ..stage }),
             _ => load(pool),
         }));
     wait_for(&render_thread, "finished picture", is_finished);
     let colors = render_thread.front().colors.clone();
-    let reported = |render_thread: &RenderThread| {
-        render_thread.reload();
+    let reported = |render_thread: &RenderThread, file: Option<&str>| {
+        render_thread.reload(file.map(Into::into));
         let mut events = events.iter().filter(|events| *events != RenderEvent::Picture);
         events.next().expect("it is told")
     };
-    assert_eq!(reported(&render_thread), RenderEvent::Trouble("line 3 is broken".into()), "what is wrong");
+    assert_eq!(
+        reported(&render_thread, None),
+        RenderEvent::Trouble("line 3 is broken".into()),
+        "what is wrong"
+    );
     assert!(
         is_finished(&render_thread.front()) && render_thread.front().colors == colors,
         "the picture stays"
     );
     let number = render_thread.front().number;
-    assert_eq!(reported(&render_thread), RenderEvent::Reloaded(Vec::new()), "mended");
+    assert_eq!(
+        reported(&render_thread, None),
+        RenderEvent::Reloaded { files: Vec::new(), is_other: false },
+        "mended"
+    );
     wait_for(&render_thread, "new picture", |front| is_finished(front) && front.number > number);
+    let other = RenderEvent::Reloaded { files: vec!["b.obj".into()], is_other: true };
+    assert_eq!(reported(&render_thread, Some("b.obj")), other, "another one");
 }
 
 /// The box in a script of this text.
@@ -318,7 +329,7 @@ fn shaders_are_read_again_by_themselves_or_stay() {
     stage.scripts.list.push(StageScript::new(script, ScriptRole::Surface(0)));
     stage.world.commit(&stage.scene, &stage.scripts.table, &stage.how, &pool).expect("a sound scene");
     let stage_files = stage.scripts.files();
-    let (render_thread, events, request) = begin_on(Box::new(load), stage);
+    let (render_thread, events, request) = begin_on(Box::new(|_, pool| load(pool)), stage);
     // Lights and the surroundings of the box show other values.
     let shows = |value: f32| {
         move |front: &DisplayFrame| {

@@ -9,7 +9,7 @@
 //! changes. Invariant: pixels and samples of a finished picture are those of `gnurt::render::render`.
 //! Tests: `super::tests`, and `crates/cli/tests/program/window.rs`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
@@ -151,8 +151,9 @@ impl Work {
                 }
                 if std::mem::take(&mut pending.reload) {
                     self.shared.view.store(pending.view, Ordering::Relaxed);
+                    let file = pending.file.take();
                     drop(pending);
-                    if self.reload() {
+                    if self.reload(file.as_deref()) {
                         present = None;
                     }
                     continue;
@@ -414,20 +415,20 @@ impl Work {
         ((PASS / self.per_sample.max(1e-4)) as u32).clamp(1, MOST_SAMPLES).min(self.eye.samples().max(1))
     }
 
-    /// Reads the scene again; returns whether there is a new one.
-    fn reload(&mut self) -> bool {
-        match (self.loader)(&self.pool) {
+    /// Reads the scene again, or another one; returns whether there is a new one.
+    fn reload(&mut self, file: Option<&Path>) -> bool {
+        match (self.loader)(file, &self.pool) {
             Ok(stage) => {
                 let files = stage.files.clone();
                 *lock(&self.shared.stage) = Arc::new(stage);
-                self.clip_time = None;
+                (self.clip_time, self.clip) = (None, None);
                 // Until the next picture, the display shows the old scene.
                 let mut pending = lock(&self.shared.request);
                 pending.view += 1;
                 self.shared.view.store(pending.view, Ordering::Relaxed);
                 drop(pending);
                 self.pace.forget();
-                (self.notify)(RenderEvent::Reloaded(files));
+                (self.notify)(RenderEvent::Reloaded { files, is_other: file.is_some() });
                 true
             }
             Err(why) => {
