@@ -53,20 +53,21 @@ static size_t by_cgltf(const char* file) {
     if (cgltf_parse_file(&options, file, &data) != cgltf_result_success) exit(1);
     if (cgltf_load_buffers(&options, data, file) != cgltf_result_success) exit(1);
     size_t triangles = 0;
-    std::vector<float> values;
-    std::vector<cgltf_uint> indices;
+    // A scene has all of them.
+    std::vector<std::vector<float>> values;
+    std::vector<std::vector<cgltf_uint>> indices;
     for (size_t m = 0; m < data->meshes_count; m++) {
         for (size_t p = 0; p < data->meshes[m].primitives_count; p++) {
             const cgltf_primitive& primitive = data->meshes[m].primitives[p];
             for (size_t a = 0; a < primitive.attributes_count; a++) {
                 const cgltf_accessor* accessor = primitive.attributes[a].data;
-                values.resize(cgltf_accessor_unpack_floats(accessor, nullptr, 0));
-                cgltf_accessor_unpack_floats(accessor, values.data(), values.size());
+                values.emplace_back(cgltf_accessor_unpack_floats(accessor, nullptr, 0));
+                cgltf_accessor_unpack_floats(accessor, values.back().data(), values.back().size());
             }
             if (primitive.indices) {
-                indices.resize(primitive.indices->count);
-                cgltf_accessor_unpack_indices(primitive.indices, indices.data(), sizeof(cgltf_uint), indices.size());
-                triangles += indices.size() / 3;
+                auto& order = indices.emplace_back(primitive.indices->count);
+                cgltf_accessor_unpack_indices(primitive.indices, order.data(), sizeof(cgltf_uint), order.size());
+                triangles += order.size() / 3;
             }
         }
     }
