@@ -63,6 +63,24 @@ pub struct ReadyRay<S: Simd> {
     slack: f32x8<S>,
 }
 
+#[inline(always)]
+fn splat<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> [f32x8<S>; 3] {
+    [f32x8::splat(simd, x as f32), f32x8::splat(simd, y as f32), f32x8::splat(simd, z as f32)]
+}
+
+/// Points by the axes of a ray. A function: operations in a closure that is not inlined would all be calls.
+#[inline(always)]
+fn seen<S: Simd>(simd: S, ray: &ReadyRay<S>, [x, y, z]: &[[f32; WIDTH]; 3]) -> [f32x8<S>; 3] {
+    let x = f32x8::from_slice(simd, x) - ray.org[0];
+    let y = f32x8::from_slice(simd, y) - ray.org[1];
+    let z = f32x8::from_slice(simd, z) - ray.org[2];
+    let mut seen = ray.org;
+    for (row, axis) in seen.iter_mut().zip(&ray.axes) {
+        *row = x.mul_add(axis[0], y.mul_add(axis[1], z * axis[2]));
+    }
+    seen
+}
+
 impl CurveBlock {
     /// A lane's curve, and its piece.
     fn segment(&self, lane: usize, shared: &Shared<Self>) -> Option<(Segment, [f64; 2])> {
@@ -74,25 +92,17 @@ impl CurveBlock {
     /// Lanes whose capsules the ray may meet within `[near, far]`, as bits.
     #[inline(always)]
     fn capsules<S: Simd>(&self, simd: S, ray: &ReadyRay<S>, [near, far]: [f32; 2]) -> u32 {
-        let at = |value: f32| f32x8::splat(simd, value);
-        let row = |values: &[f32; WIDTH]| f32x8::from_slice(simd, values);
-        let seen = |[x, y, z]: &[[f32; WIDTH]; 3]| {
-            let from = [row(x) - ray.org[0], row(y) - ray.org[1], row(z) - ray.org[2]];
-            let by =
-                |axis: &[f32x8<S>; 3]| from[0].mul_add(axis[0], from[1].mul_add(axis[1], from[2] * axis[2]));
-            [by(&ray.axes[0]), by(&ray.axes[1]), by(&ray.axes[2])]
-        };
-        let [a, b] = [seen(&self.ends[0]), seen(&self.ends[1])];
-        let radius = row(&self.radius) + ray.slack;
+        let [a, b] = [seen(simd, ray, &self.ends[0]), seen(simd, ray, &self.ends[1])];
+        let radius = f32x8::from_slice(simd, &self.radius) + ray.slack;
         let step = [b[0] - a[0], b[1] - a[1]];
-        let square = step[0].mul_add(step[0], step[1] * step[1]).max(at(f32::MIN_POSITIVE));
-        let t = (-(a[0].mul_add(step[0], a[1] * step[1])) / square).max(at(0.0)).min(at(1.0));
+        let square = step[0].mul_add(step[0], step[1] * step[1]).max(f32x8::splat(simd, f32::MIN_POSITIVE));
+        let t = (-(a[0].mul_add(step[0], a[1] * step[1])) / square).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 1.0));
         let off = [t.mul_add(step[0], a[0]), t.mul_add(step[1], a[1])];
         let is_near = off[0].mul_add(off[0], off[1] * off[1]).simd_le(radius * radius);
         let length = ray.frame.length as f32;
-        let is_before = (a[2].min(b[2]) - radius).simd_le(at(far * length));
-        let is_behind = (a[2].max(b[2]) + radius).simd_ge(at(near * length));
-        let is_there = row(&self.radius).simd_ge(at(0.0));
+        let is_before = (a[2].min(b[2]) - radius).simd_le(f32x8::splat(simd, far * length));
+        let is_behind = (a[2].max(b[2]) + radius).simd_ge(f32x8::splat(simd, near * length));
+        let is_there = f32x8::from_slice(simd, &self.radius).simd_ge(f32x8::splat(simd, 0.0));
         (is_near & is_before & is_behind & is_there).to_bitmask() as u32
     }
 }
@@ -159,14 +169,12 @@ impl BlockKind for CurveBlock {
     #[inline(always)]
     fn ready<S: Simd>(simd: S, ray: &Ray, greatest: f32) -> ReadyRay<S> {
         let frame = RayFrame::new(ray.org.map(f64::from), ray.dir.map(f64::from));
-        let at = |x: f64| f32x8::splat(simd, x as f32);
-        let lanes = |[x, y, z]: [f64; 3]| [at(x), at(y), at(z)];
         let away = ray.org[0].abs().max(ray.org[1].abs()).max(ray.org[2].abs());
         let [x, y, z] = frame.axes;
         ReadyRay {
             frame,
-            org: lanes(frame.org),
-            axes: [lanes(x), lanes(y), lanes(z)],
+            org: splat(simd, frame.org),
+            axes: [splat(simd, x), splat(simd, y), splat(simd, z)],
             slack: f32x8::splat(simd, 2.0 * SLACK * (2.0 * greatest + away)),
         }
     }
