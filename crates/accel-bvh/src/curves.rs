@@ -15,7 +15,7 @@ use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::slab::SLACK;
 use gnurt_accel_core::store::{LoadError, Reader, StoredRecord, Writer, get_floats, put_floats};
-use gnurt_accel_core::traversal::RayTraversal;
+use gnurt_accel_core::traversal::{RayKind, RayTraversal};
 use gnurt_accel_core::triangle::TriangleHit;
 use gnurt_accel_core::{Aabb, BadPrimitives, FARTHEST_PLANE, INVALID_ID, Ray};
 use gnurt_simd::{Simd, f32x8, prelude::*};
@@ -245,11 +245,13 @@ impl CurveBlock {
     ) {
         let Some((segment, part)) = self.segment(lane, shared) else { return };
         let (t_near, number) = (traversal.ray.t_near, self.numbers[lane]);
+        let are_all = matches!(traversal.kind, RayKind::Each(_));
         segment.meet(frame, part, &mut |hit| {
             let [t, u, v] = [hit.t, hit.u, hit.v].map(|x| x as f32);
             if t >= t_near && t <= traversal.reach() {
                 traversal.offer(TriangleHit { t: t + 0.0, u, v }, number, slot);
             }
+            t < t_near || are_all
         });
     }
 }

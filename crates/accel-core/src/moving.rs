@@ -200,6 +200,7 @@ impl Keyed for OwnedCurves {
             segment.meet(&frame, part, &mut |found| {
                 let [t, u, v] = [found.t, found.u, found.v].map(|x| x as f32);
                 hit(UserHit { t, u, v });
+                true
             });
         }
     }

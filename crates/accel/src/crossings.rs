@@ -162,6 +162,7 @@ fn through_curve(
         if hit.t >= line.near && hit.t <= line.far {
             visit(hit);
         }
+        true
     });
 }
 

@@ -4,7 +4,7 @@
 //! Space: object. Invariant: without joints the surface is closed, and met an even number of times from outside.
 //! Tests: `tests/curves.rs` of `gnurt-accel`.
 
-use super::ray::{CurveHit, RayFrame};
+use super::ray::{CurveHit, Offer, RayFrame};
 use super::{Vector, along, dot, minus, place};
 
 /// Spheres between two.
@@ -61,7 +61,7 @@ pub(super) fn meet(
     joints: [&Option<[f64; 4]>; 2],
     is_seen_from_outside: bool,
     ray: &RayFrame,
-    hit: &mut dyn FnMut(CurveHit),
+    hit: Offer,
 ) {
     let spheres = Spheres::new(from, to);
     let before = joints[0].map(|other| Spheres::new(other, from));

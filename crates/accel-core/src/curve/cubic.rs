@@ -24,6 +24,21 @@ impl Cubic {
         Self { powers }
     }
 
+    /// That of four vertices, by the weight of each in each power.
+    #[inline]
+    pub(super) fn weighted(vertices: &[[f32; 4]; 4], weights: &[[f64; 4]; 4]) -> Self {
+        let vertices = vertices.map(|vertex| vertex.map(f64::from));
+        let mut powers = [[0.0; 4]; 4];
+        for (power, weights) in powers.iter_mut().zip(weights) {
+            for (vertex, weight) in vertices.iter().zip(weights) {
+                for (x, of_vertex) in power.iter_mut().zip(vertex) {
+                    *x += weight * of_vertex;
+                }
+            }
+        }
+        Self { powers }
+    }
+
     /// Between this one and another, by the weights of the two.
     pub(super) fn mixed(&self, to: &Self, [a, b]: [f64; 2]) -> Self {
         let mix = |i: usize| [0, 1, 2, 3].map(|k| a * self.powers[i][k] + b * to.powers[i][k]);

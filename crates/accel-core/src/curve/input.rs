@@ -23,6 +23,29 @@ pub enum CurveBasis {
     Hermite,
 }
 
+impl CurveBasis {
+    /// Weights of four vertices in the powers from 0 to 3, where there are four.
+    #[inline]
+    fn weights(self) -> Option<&'static [[f64; 4]; 4]> {
+        const SIXTH: f64 = 1.0 / 6.0;
+        Some(match self {
+            Self::Linear | Self::Hermite => return None,
+            Self::Bezier => {
+                &[[1.0, 0.0, 0.0, 0.0], [-3.0, 3.0, 0.0, 0.0], [3.0, -6.0, 3.0, 0.0], [-1.0, 3.0, -3.0, 1.0]]
+            }
+            Self::BSpline => &[
+                [SIXTH, 4.0 * SIXTH, SIXTH, 0.0],
+                [-0.5, 0.0, 0.5, 0.0],
+                [0.5, -1.0, 0.5, 0.0],
+                [-SIXTH, 0.5, -0.5, SIXTH],
+            ],
+            Self::CatmullRom => {
+                &[[0.0, 1.0, 0.0, 0.0], [-0.5, 0.0, 0.5, 0.0], [1.0, -2.5, 2.0, -0.5], [-0.5, 1.5, -1.5, 0.5]]
+            }
+        })
+    }
+}
+
 /// What a ray sees of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CurveForm {
@@ -118,9 +141,13 @@ impl<'a> Curves<'a> {
         array.get(first..first.checked_add(self.order())?)
     }
 
-    /// As a Bezier cubic.
+    /// As powers of the parameter.
+    #[inline]
     fn cubic(&self, prim_id: u32) -> Option<Cubic> {
         let points = self.of(self.vertices, prim_id)?;
+        if let (Some(weights), Some(points)) = (self.basis.weights(), points.first_chunk()) {
+            return Some(Cubic::weighted(points, weights));
+        }
         let tangents = match self.basis {
             CurveBasis::Hermite => self.of(self.tangents, prim_id)?,
             _ => &[],

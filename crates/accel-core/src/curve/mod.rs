@@ -15,7 +15,7 @@ mod segment;
 mod tube;
 
 pub use input::{CurveBasis, CurveForm, Curves, OwnedCurves};
-pub use ray::{CurveHit, RayFrame};
+pub use ray::{CurveHit, Offer, RayFrame};
 pub use segment::Segment;
 
 type Vector = [f64; 3];

@@ -5,7 +5,7 @@
 //! Invariant: a piece belongs to the part that holds its first parameter. Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::cubic::Cubic;
-use super::ray::{CurveHit, RayFrame};
+use super::ray::{CurveHit, Offer, RayFrame};
 
 type Point = [f64; 3];
 
@@ -19,7 +19,7 @@ pub(super) fn meet(
     count: u8,
     ray: &RayFrame,
     [from, to]: [f64; 2],
-    hit: &mut dyn FnMut(CurveHit),
+    hit: Offer,
 ) {
     let seen = cubic.mapped(|v| ray.by_axes(v), ray.org);
     let count = f64::from(count);

@@ -11,6 +11,9 @@ pub struct CurveHit {
     pub v: f64,
 }
 
+/// Takes hits, and answers whether those behind a hit on the same curve count, too.
+pub type Offer<'a> = &'a mut dyn FnMut(CurveHit) -> bool;
+
 /// A ray, and axes across it.
 #[derive(Clone, Copy, Debug)]
 pub struct RayFrame {

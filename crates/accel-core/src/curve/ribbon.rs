@@ -7,14 +7,14 @@
 //! Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::cubic::Cubic;
-use super::ray::{CurveHit, RayFrame};
+use super::ray::{CurveHit, Offer, RayFrame};
 use super::{Vector, cross, dot, minus, place};
 
 /// Most brackets of one curve.
 const MOST_BRACKETS: f64 = 32.0;
 
 /// A straight ribbon with round ends.
-pub(super) fn meet_line(ends: &[[f64; 4]; 2], ray: &RayFrame, hit: &mut dyn FnMut(CurveHit)) {
+pub(super) fn meet_line(ends: &[[f64; 4]; 2], ray: &RayFrame, hit: Offer) {
     let [a, b] = ends.map(|end| ray.by_axes(minus(place(end), ray.org)));
     let step = [b[0] - a[0], b[1] - a[1]];
     let square = step[0] * step[0] + step[1] * step[1];
@@ -30,22 +30,77 @@ pub(super) fn meet_line(ends: &[[f64; 4]; 2], ray: &RayFrame, hit: &mut dyn FnMu
 }
 
 /// A ribbon that faces the ray and ends across the curve.
-pub(super) fn meet_flat(cubic: &Cubic, ray: &RayFrame, part: [f64; 2], hit: &mut dyn FnMut(CurveHit)) {
+pub(super) fn meet_flat(cubic: &Cubic, ray: &RayFrame, part: [f64; 2], hit: Offer) {
     let seen = cubic.mapped(|v| ray.by_axes(v), ray.org);
-    // Half of the derivative of the squared distance.
-    let nears = |t: f64| {
-        let (point, slope) = (seen.at(t), seen.slope(t));
-        point[0] * slope[0] + point[1] * slope[1]
-    };
-    for_roots(&seen, part, 1.0, nears, |u| {
-        let ([x, y, z, radius], slope) = (seen.at(u), seen.slope(u));
-        let distance = x * x + y * y;
-        if distance <= radius * radius && radius > 0.0 {
+    let brackets = brackets(&seen, part, 1.0);
+    let step = (part[1] - part[0]) / brackets;
+    let mut a = Near::at(&seen, part[0]);
+    for i in 1..=brackets as u32 {
+        let b = Near::at(&seen, part[0] + step * f64::from(i));
+        if (a.off >= 0.0) != (b.off >= 0.0)
+            && let Some(Near { u, point: [x, y, z, radius], slope, .. }) = nearest(&seen, a, b)
+            && x * x + y * y <= radius * radius
+            && radius > 0.0
+        {
             let speed = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
             let v = if speed > 0.0 { (x * slope[1] - y * slope[0]) / (speed * radius) } else { 0.0 };
             hit(CurveHit { t: z / ray.length, u, v });
         }
-    });
+        a = b;
+    }
+}
+
+/// A parameter, what is seen there, and half of the derivative of the squared distance from the ray.
+#[derive(Clone, Copy)]
+struct Near {
+    u: f64,
+    point: [f64; 4],
+    slope: [f64; 4],
+    off: f64,
+}
+
+impl Near {
+    #[inline(always)]
+    fn at(seen: &Cubic, u: f64) -> Self {
+        let (point, slope) = (seen.at(u), seen.slope(u));
+        Self { u, point, slope, off: point[0] * slope[0] + point[1] * slope[1] }
+    }
+}
+
+/// Where the curve is nearest to the ray between two places at which it comes nearer and goes away; `None` as soon as the
+/// rest of the way cannot lead into the radius. As [`refined`], but only as fine as floats are.
+#[inline(always)]
+fn nearest(seen: &Cubic, a: Near, b: Near) -> Option<Near> {
+    let speed = |near: &Near| near.slope[0] * near.slope[0] + near.slope[1] * near.slope[1];
+    // Between the ends it is at most half as fast again: so many brackets there are.
+    let fastest = 2.0 * speed(&a).max(speed(&b)).sqrt();
+    let (mut a, mut at_a, mut b) = (a.u, a.off, b);
+    let mut moved = (b.u - a).abs();
+    for _ in 0..60 {
+        let c = b.u - b.off * (b.u - a) / (b.off - at_a);
+        // The secant of two nearly equal values may lead anywhere.
+        let c = if c > a.min(b.u) && c < a.max(b.u) { c } else { 0.5 * (a + b.u) };
+        let c = Near::at(seen, c);
+        let [x, y, _, radius] = c.point;
+        // A step is shorter than the one before it.
+        let reach = radius + fastest * moved;
+        if x * x + y * y > reach * reach {
+            return None;
+        }
+        moved = (c.u - b.u).abs();
+        if c.off == 0.0 || moved < 1e-7 || (b.u - a).abs() < 1e-9 {
+            return Some(c);
+        }
+        if (c.off >= 0.0) != (b.off >= 0.0) {
+            (a, at_a) = (b.u, b.off);
+        } else {
+            // An end that stays counts for less: by the ratio of Anderson and Bjorck.
+            let ratio = 1.0 - c.off / b.off;
+            at_a *= if ratio > 0.0 { ratio } else { 0.5 };
+        }
+        b = c;
+    }
+    Some(b)
 }
 
 /// A ribbon across normals.
@@ -54,7 +109,7 @@ pub(super) fn meet_oriented(
     normals: &[Vector; 4],
     ray: &RayFrame,
     part: [f64; 2],
-    hit: &mut dyn FnMut(CurveHit),
+    hit: Offer,
 ) {
     let seen = cubic.mapped(|v| ray.by_axes(v), ray.org);
     let normals = normals.map(|normal| ray.by_axes(normal));
@@ -77,8 +132,23 @@ pub(super) fn meet_oriented(
     });
 }
 
-/// Calls `root` for each zero of `f` within a part of a curve, as it is seen along the ray; a whole curve has
-/// `fewest` brackets or more.
+/// How many brackets a part of a curve needs, as it is seen along the ray; a whole curve has `fewest` or more.
+#[inline(always)]
+fn brackets(seen: &Cubic, [from, to]: [f64; 2], fewest: f64) -> f64 {
+    let square = |[x, y, ..]: [f64; 4]| x * x + y * y;
+    // More brackets the more the curve turns where it is seen: all of them if it is seen along itself.
+    let slopes = [from, 0.5 * (from + to), to].map(|u| square(seen.slope(u)));
+    let least = slopes[0].min(slopes[1]).min(slopes[2]);
+    let bend = square(seen.bend(from)).max(square(seen.bend(to))) * (to - from) * (to - from);
+    let brackets = MOST_BRACKETS * (to - from);
+    let mut fewer = (fewest * (to - from)).max(1.0);
+    while fewer < brackets && bend > 0.25 * fewer * fewer * least {
+        fewer *= 2.0;
+    }
+    brackets.min(fewer)
+}
+
+/// Calls `root` for each zero of `f` within a part of a curve.
 #[inline(always)]
 fn for_roots(
     seen: &Cubic,
@@ -87,16 +157,7 @@ fn for_roots(
     f: impl Fn(f64) -> f64,
     mut root: impl FnMut(f64),
 ) {
-    let flat = |[x, y, ..]: [f64; 4]| (x * x + y * y).sqrt();
-    // More brackets the more the curve turns where it is seen: all of them if it is seen along itself.
-    let least = flat(seen.slope(from)).min(flat(seen.slope(0.5 * (from + to)))).min(flat(seen.slope(to)));
-    let bend = flat(seen.bend(from)).max(flat(seen.bend(to)));
-    let mut brackets = MOST_BRACKETS * (to - from);
-    let mut fewer = (fewest * (to - from)).max(1.0);
-    while fewer < brackets && bend * (to - from) > 0.5 * fewer * least {
-        fewer *= 2.0;
-    }
-    brackets = brackets.min(fewer);
+    let brackets = brackets(seen, [from, to], fewest);
     let step = (to - from) / brackets;
     let (mut a, mut at_a) = (from, f(from));
     for i in 1..=brackets as u32 {

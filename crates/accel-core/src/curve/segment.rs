@@ -4,7 +4,7 @@
 //! hold all of its hits. Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::cubic::Cubic;
-use super::ray::{CurveHit, RayFrame};
+use super::ray::{Offer, RayFrame};
 use super::ribbon::across;
 use super::{Vector, along, cone, cross, dot, minus, pieces, place, ribbon, scaled, tube};
 use crate::aabb::Aabb;
@@ -142,9 +142,10 @@ impl Segment {
         bounds
     }
 
-    /// Calls `hit` with the hits of a ray's line, in any order, on the part of the curve between two parameters.
+    /// Calls `hit` with the hits of a ray's line, in any order, on the part of the curve between two parameters. It answers
+    /// whether hits behind this one on the same curve count, too; some may come even so.
     #[inline]
-    pub fn meet(&self, ray: &RayFrame, part: [f64; 2], hit: &mut dyn FnMut(CurveHit)) {
+    pub fn meet(&self, ray: &RayFrame, part: [f64; 2], hit: Offer) {
         match self {
             Self::FlatLine(ends) => ribbon::meet_line(ends, ray, hit),
             Self::Cone { ends, before, after, is_seen_from_outside } => {
@@ -157,9 +158,7 @@ impl Segment {
             Self::Round(cubic, true) => tube::meet(cubic, ray, part, &mut |found| {
                 let point = along(ray.org, found.t, ray.dir);
                 let normal = self.normal(found.u, found.v, Some(point));
-                if normal.is_some_and(|normal| dot(normal, ray.dir) < 0.0) {
-                    hit(found);
-                }
+                normal.is_none_or(|normal| dot(normal, ray.dir) >= 0.0) || hit(found)
             }),
         }
     }
