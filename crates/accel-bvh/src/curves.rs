@@ -9,7 +9,7 @@ use std::io::{self, Read, Write};
 use std::sync::Arc;
 
 use gnurt_accel_core::collect::Collect;
-use gnurt_accel_core::curve::{CurveBasis, CurveForm, OwnedCurves, RayFrame, Segment};
+use gnurt_accel_core::curve::{CurveBasis, CurveForm, CurvePiece, OwnedCurves, RayFrame, Segment};
 use gnurt_accel_core::geometry::GeometryKind;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
@@ -34,19 +34,6 @@ pub struct CurveBlock {
     numbers: [u32; WIDTH],
     /// The number of pieces of the curve, then that of this one, in 16 bits each.
     pieces: [u32; WIDTH],
-}
-
-/// A piece on its way into a lane.
-pub struct Piece {
-    segment: Segment,
-    index: u32,
-    count: u32,
-}
-
-impl Piece {
-    fn part(&self) -> [f64; 2] {
-        part(self.index, self.count)
-    }
 }
 
 /// The parameters between which a piece lies.
@@ -109,7 +96,7 @@ impl CurveBlock {
 
 impl BlockKind for CurveBlock {
     const IN_FILES: Result<[u64; 2], &'static str> = Ok([8, 9]);
-    type Item = Piece;
+    type Item = CurvePiece;
     type Data = Arc<OwnedCurves>;
     type Ready<S: Simd> = ReadyRay<S>;
 
@@ -124,17 +111,15 @@ impl BlockKind for CurveBlock {
         }
     }
 
-    fn items(kind: &GeometryKind, prim_id: u32, bad: &mut BadPrimitives, each: &mut dyn FnMut(Piece)) {
+    fn items(kind: &GeometryKind, prim_id: u32, bad: &mut BadPrimitives, each: &mut dyn FnMut(CurvePiece)) {
         let GeometryKind::Curves(curves) = kind else { return };
         if let Some(segment) = curves.check(prim_id, bad) {
-            let count = segment.parts();
-            (0..count).for_each(|index| each(Piece { segment, index, count }));
+            segment.pieces([0.0, 1.0], segment.parts(), each);
         }
     }
 
-    fn bounds(piece: &Piece) -> Aabb {
-        let [from, to] = piece.part();
-        piece.segment.bounds(from, to)
+    fn bounds(piece: &CurvePiece) -> Aabb {
+        piece.bounds
     }
 
     fn empty() -> Self {
@@ -142,24 +127,27 @@ impl BlockKind for CurveBlock {
         Self { ends, radius, numbers: [INVALID_ID; WIDTH], pieces: [0; WIDTH] }
     }
 
-    fn set(&mut self, lane: usize, piece: &Piece, number: u32) {
-        let [from, to] = piece.part();
-        let (ends, radius) = piece.segment.capsule(from, to);
-        let mut most = radius;
-        for (rows, end) in self.ends.iter_mut().zip(ends) {
+    fn set(&mut self, lane: usize, piece: &CurvePiece, number: u32) {
+        for (rows, end) in self.ends.iter_mut().zip(piece.ends) {
             for (row, x) in rows.iter_mut().zip(end) {
-                row[lane] = x as f32;
-                most = most.max(radius + x.abs() * f64::from(f32::EPSILON));
+                row[lane] = x;
             }
         }
-        self.radius[lane] = (most as f32).next_up();
-        (self.numbers[lane], self.pieces[lane]) = (number, piece.count << 16 | piece.index);
+        self.radius[lane] = piece.radius;
+        (self.numbers[lane], self.pieces[lane]) =
+            (number, u32::from(piece.count) << 16 | u32::from(piece.index));
     }
 
-    fn moved(&self, lane: usize, kind: &GeometryKind, prim_id: u32) -> Option<Piece> {
+    fn moved(&self, lane: usize, kind: &GeometryKind, prim_id: u32) -> Option<CurvePiece> {
         let GeometryKind::Curves(curves) = kind else { return None };
         let segment = curves.check(prim_id, &mut BadPrimitives::default())?;
-        Some(Piece { segment, count: self.pieces[lane] >> 16, index: self.pieces[lane] & 0xffff })
+        let mut found = None;
+        segment.pieces([0.0, 1.0], self.pieces[lane] >> 16, |piece| {
+            if u32::from(piece.index) == self.pieces[lane] & 0xffff {
+                found = Some(piece);
+            }
+        });
+        found
     }
 
     fn numbers(&self) -> &[u32; WIDTH] {

@@ -181,7 +181,7 @@ impl Keyed for OwnedCurves {
 
     fn bounds(&self, i: usize) -> Option<Aabb> {
         let segment = self.view().check(i as u32, &mut BadPrimitives::default())?;
-        Some(segment.bounds(0.0, 1.0))
+        Some(segment.bounds())
     }
 
     fn between(&self, to: &Self, i: usize, interval: &KeyInterval) -> Option<Segment> {

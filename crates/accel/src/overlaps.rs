@@ -8,7 +8,8 @@
 use crate::near::name_all;
 use crate::target::Target;
 use crate::{PrimitiveId, Query};
-use gnurt_accel_core::curve::Segment;
+use gnurt_accel_core::Aabb;
+use gnurt_accel_core::curve::{CurvePiece, Segment};
 use gnurt_accel_core::exact::{InstancePath, Triangle};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::Region;
@@ -132,16 +133,16 @@ fn disc_touches(
 /// Whether a piece of a curve and a box may have a point in common, by the boxes of short parts of it.
 fn curve_touches(
     segment: &Segment,
-    [from, to]: [f64; 2],
+    part: [f64; 2],
     path: Option<&InstancePath>,
     low: [f64; 3],
     high: [f64; 3],
 ) -> bool {
-    (0..16).map(f64::from).any(|i| {
-        let at = |i: f64| from + (to - from) * i / 16.0;
-        let bounds = segment.bounds(at(i), at(i + 1.0));
-        box_touches([bounds.min, bounds.max].map(|side| side.map(f64::from)), path, low, high)
-    })
+    let mut touches = false;
+    segment.pieces(part, 16, |CurvePiece { bounds: Aabb { min, max }, .. }| {
+        touches |= box_touches([min, max].map(|side| side.map(f64::from)), path, low, high);
+    });
+    touches
 }
 
 /// Whether a box of an object, as large as it is where the object is placed, touches a box.

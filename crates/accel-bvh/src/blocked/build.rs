@@ -10,6 +10,8 @@ use gnurt_accel_core::{
     Aabb, BadPrimitives, BuildError, Geometry, INVALID_ID, Memory, Quality, RefitError, Threads,
 };
 
+use gnurt_simd::prefer_huge_pages;
+
 use super::{BlockKind, Blocked, Shared, lanes};
 use crate::build::build;
 use crate::node::WIDTH;
@@ -94,7 +96,9 @@ impl<B: BlockKind> Blocked<B> {
             }
             block
         };
-        let blocks = std::mem::take(&mut tree.blocks).iter().map(block).collect();
+        let mut blocks = Vec::with_capacity(tree.blocks.len());
+        prefer_huge_pages(&blocks);
+        blocks.extend(std::mem::take(&mut tree.blocks).iter().map(block));
         Ok(Self { blocks, shared: inputs.shared(), greatest: tree.greatest(), tree, stats })
     }
 

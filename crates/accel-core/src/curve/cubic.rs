@@ -78,18 +78,19 @@ impl Cubic {
     }
 
     /// Control points of the part between two parameters.
-    pub(super) fn part(&self, from: f64, to: f64) -> [[f64; 4]; 4] {
+    #[cfg(test)]
+    fn part(&self, from: f64, to: f64) -> [[f64; 4]; 4] {
         let (p, q, step) = (self.at(from), self.at(to), (to - from) / 3.0);
         let (s, e) = (self.slope(from), self.slope(to));
         let inner = |p: [f64; 4], s: [f64; 4], step: f64| [0, 1, 2, 3].map(|k| p[k] + step * s[k]);
         [p, inner(p, s, step), inner(q, e, -step), q]
     }
 
-    /// Bounds of the length of the second derivative of the points.
-    pub(super) fn most_bend(&self, from: f64, to: f64) -> f64 {
-        let length = |[x, y, z, _]: [f64; 4]| (x * x + y * y + z * z).sqrt();
-        // It is linear.
-        length(self.bend(from)).max(length(self.bend(to)))
+    /// The length of the second derivative of the points. It is linear: greatest at an end of any part.
+    #[inline(always)]
+    pub(super) fn bend_length(&self, t: f64) -> f64 {
+        let [x, y, z, _] = self.bend(t);
+        (x * x + y * y + z * z).sqrt()
     }
 }
 

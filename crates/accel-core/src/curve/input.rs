@@ -227,7 +227,7 @@ impl<'a> Curves<'a> {
             return None;
         }
         // Curves may leave the box of their vertices.
-        if segment.bounds(0.0, 1.0).greatest() > 2.0 * LARGEST_COORDINATE {
+        if segment.bounds().greatest() > 2.0 * LARGEST_COORDINATE {
             bad.too_large += 1;
             return None;
         }
@@ -290,13 +290,21 @@ pub struct OwnedCurves {
     pub pieces: u8,
 }
 
+/// A copy for rays, which meet curves anywhere.
+fn copied<T: Copy>(values: &[T]) -> Vec<T> {
+    let mut copy = Vec::with_capacity(values.len());
+    gnurt_simd::prefer_huge_pages(&copy);
+    copy.extend_from_slice(values);
+    copy
+}
+
 impl OwnedCurves {
     pub fn new(curves: &Curves) -> Self {
         Self {
             basis: curves.basis,
             form: curves.form,
-            vertices: curves.vertices.to_vec(),
-            indices: curves.indices.to_vec(),
+            vertices: copied(curves.vertices),
+            indices: copied(curves.indices),
             tangents: curves.tangents.to_vec(),
             normals: curves.normals.to_vec(),
             normal_tangents: curves.normal_tangents.to_vec(),

@@ -16,7 +16,7 @@ mod tube;
 
 pub use input::{CurveBasis, CurveForm, Curves, OwnedCurves};
 pub use ray::{CurveHit, Offer, RayFrame};
-pub use segment::Segment;
+pub use segment::{CurvePiece, Segment};
 
 type Vector = [f64; 3];
 

@@ -31,6 +31,49 @@ pub enum Segment {
     Oriented(Cubic, [Vector; 4]),
 }
 
+/// One of several equal parts of a curve: all of its hits are in the box, and within the radius of the chord.
+#[derive(Clone, Copy, Debug)]
+pub struct CurvePiece {
+    pub bounds: Aabb,
+    pub ends: [[f32; 3]; 2],
+    pub radius: f32,
+    /// Its place among how many.
+    pub index: u8,
+    pub count: u8,
+}
+
+impl CurvePiece {
+    /// Within the hull of points, and within `off` of the chord.
+    #[inline(always)]
+    fn around(hull: &[[f64; 4]], ends: [[f64; 4]; 2], off: f64, [index, count]: [u32; 2]) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let mut radius = 0.0;
+        for point in hull {
+            for k in 0..3 {
+                (low[k], high[k]) = (least(low[k], point[k]), most(high[k], point[k]));
+            }
+            radius = most(radius, point[3]);
+        }
+        let bounds = Aabb {
+            min: low.map(|x| ((x - radius) as f32).next_down()),
+            max: high.map(|x| ((x + radius) as f32).next_up()),
+        };
+        // The ends move where they become floats.
+        let rounding = low.iter().chain(&high).fold(0.0, |all, x| most(all, x.abs())) * f64::from(f32::EPSILON);
+        let radius = ((radius + off + rounding) as f32).next_up();
+        let ends = ends.map(|end| place(end).map(|x| x as f32));
+        Self { bounds, ends, radius, index: index as u8, count: count as u8 }
+    }
+}
+
+fn least(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
+fn most(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 impl Segment {
     /// Between this one and another of the same form, by the weights of the two: its vertices are between theirs.
     #[must_use]
@@ -93,7 +136,7 @@ impl Segment {
         let Some(cubic) = self.cubic() else { return 1 };
         let chord = minus(place(cubic.at(1.0)), place(cubic.at(0.0)));
         let length = dot(chord, chord).sqrt();
-        let bend = cubic.most_bend(0.0, 1.0);
+        let bend = cubic.bend_length(0.0).max(cubic.bend_length(1.0));
         // The deviation from the chord falls with the square of the number.
         let widest = (0..=4).map(|i| cubic.at(f64::from(i) / 4.0)[3]).fold(0.0, f64::max);
         let allowed = (0.02 * length).max(0.5 * widest);
@@ -109,36 +152,35 @@ impl Segment {
         parts
     }
 
-    /// The chord between two parameters, and the radius around it within which all hits of the part lie.
-    #[must_use]
-    pub fn capsule(&self, from: f64, to: f64) -> ([Vector; 2], f64) {
-        let (a, b) = (self.at(from), self.at(to));
-        let ends = [place(a), place(b)];
-        let Some(cubic) = self.cubic() else { return (ends, a[3].max(b[3])) };
-        let h = to - from;
-        let off = cubic.most_bend(from, to) * h * h / 8.0;
-        let radius = cubic.part(from, to).iter().fold(0.0f64, |most, point| most.max(point[3]));
-        (ends, radius + off)
+    /// What is known of equal parts between two parameters before they are met by rays.
+    #[inline]
+    pub fn pieces(&self, [from, to]: [f64; 2], count: u32, mut each: impl FnMut(CurvePiece)) {
+        let at = |index: u32| from + (to - from) * f64::from(index) / f64::from(count);
+        let Some(cubic) = self.cubic() else {
+            return (0..count).for_each(|index| {
+                let ends = [self.at(at(index)), self.at(at(index + 1))];
+                each(CurvePiece::around(&ends, ends, 0.0, [index, count]));
+            });
+        };
+        let h = (to - from) / f64::from(count);
+        let mut start = (cubic.at(from), cubic.slope(from), cubic.bend_length(from));
+        for index in 0..count {
+            let to = at(index + 1);
+            let end = (cubic.at(to), cubic.slope(to), cubic.bend_length(to));
+            let third = h / 3.0;
+            let inner = |p: &[f64; 4], s: &[f64; 4], step: f64| [0, 1, 2, 3].map(|k| p[k] + step * s[k]);
+            let hull = [start.0, inner(&start.0, &start.1, third), inner(&end.0, &end.1, -third), end.0];
+            let off = start.2.max(end.2) * h * h / 8.0;
+            each(CurvePiece::around(&hull, [start.0, end.0], off, [index, count]));
+            start = end;
+        }
     }
 
-    /// A box around all hits of the part between two parameters.
+    /// A box around all hits.
     #[must_use]
-    pub fn bounds(&self, from: f64, to: f64) -> Aabb {
+    pub fn bounds(&self) -> Aabb {
         let mut bounds = Aabb::EMPTY;
-        let mut add = |[x, y, z]: Vector, radius: f64| {
-            let side = |sign: f64| [x, y, z].map(|x| x + sign * radius);
-            let low = side(-1.0).map(|x| (x as f32).next_down());
-            let high = side(1.0).map(|x| (x as f32).next_up());
-            bounds = bounds.union(&Aabb { min: low, max: high });
-        };
-        match self.cubic() {
-            None => [self.at(from), self.at(to)].iter().for_each(|end| add(place(*end), end[3])),
-            Some(cubic) => {
-                let part = cubic.part(from, to);
-                let radius = part.iter().fold(0.0f64, |most, point| most.max(point[3]));
-                part.iter().for_each(|point| add(place(*point), radius));
-            }
-        }
+        self.pieces([0.0, 1.0], 1, |piece| bounds = piece.bounds);
         bounds
     }
 

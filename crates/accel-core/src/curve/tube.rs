@@ -25,7 +25,7 @@ pub(super) fn meet(cubic: &Cubic, ray: &RayFrame, [from, to]: [f64; 2], hit: Off
     let radius = a[3].max(near.at(to)[3]).max(near.at(0.5 * (from + to))[3]);
     let most = MOST_STRETCHES * (to - from);
     let mut stretches = 1.0;
-    let mut off = near.most_bend(from, to) * (to - from) * (to - from) / 8.0;
+    let mut off = near.bend_length(from).max(near.bend_length(to)) * (to - from) * (to - from) / 8.0;
     while stretches < most && off > STRAIGHT * radius {
         (stretches, off) = (2.0 * stretches, 0.25 * off);
     }
