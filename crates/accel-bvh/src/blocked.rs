@@ -53,6 +53,9 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
     /// A block of empty lanes.
     fn empty() -> Self;
 
+    /// Makes an empty block ready for these items, which are about to be set.
+    fn frame(&mut self, _items: &[Option<&Self::Item>; WIDTH]) {}
+
     /// Fills a lane.
     fn set(&mut self, lane: usize, item: &Self::Item, number: u32);
 

@@ -23,21 +23,45 @@ use gnurt_simd::{Simd, f32x8, prelude::*};
 use crate::blocked::{BlockData, BlockKind, Shared};
 use crate::node::WIDTH;
 
-/// Eight pieces: capsules around them, and their places on the curves.
+/// Eight pieces: capsules around them, and their places on the curves. Two cache lines: ends are counted in steps from an
+/// origin of the block, and radii allow for what each end moves by that.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub struct CurveBlock {
-    ends: [[[f32; WIDTH]; 3]; 2],
-    /// Negative in empty lanes.
-    radius: [f32; WIDTH],
+    /// By end and lane: three counts of ten bits; the two above them in both ends are the place on the curve, [`place_of`].
+    ends: [[u32; WIDTH]; 2],
     /// Numbers in the object.
     numbers: [u32; WIDTH],
-    /// The number of pieces of the curve, then that of this one, in 16 bits each.
-    pieces: [u32; WIDTH],
+    /// In steps of their own; 0 in empty lanes.
+    radius: [u8; WIDTH],
+    origin: [f32; 3],
+    /// By axis, and that of radii: the upper halves of floats.
+    steps: [u16; 4],
+}
+
+/// Most steps along an axis.
+const MOST_STEPS: f64 = 1023.0;
+
+/// The upper half of the least float with no lower half that is not below `x`.
+fn half_above(x: f64) -> u16 {
+    let bits = (x as f32).next_up().to_bits();
+    ((bits + 0xffff) >> 16) as u16
+}
+
+/// The place of piece `index` of `count`, a power of two up to 8, in one byte: that of a node in a heap.
+fn place_of(index: u8, count: u8) -> u8 {
+    count + index
+}
+
+/// Index and count of a place.
+fn piece_at(place: u8) -> [u8; 2] {
+    let count = 1 << place.max(1).ilog2();
+    [place.max(1) - count, count]
 }
 
 /// The parameters between which a piece lies.
-fn part(index: u32, count: u32) -> [f64; 2] {
+fn part(place: u8) -> [f64; 2] {
+    let [index, count] = piece_at(place);
     [f64::from(index) / f64::from(count), f64::from(index + 1) / f64::from(count)]
 }
 
@@ -55,32 +79,55 @@ fn splat<S: Simd>(simd: S, [x, y, z]: [f64; 3]) -> [f32x8<S>; 3] {
     [f32x8::splat(simd, x as f32), f32x8::splat(simd, y as f32), f32x8::splat(simd, z as f32)]
 }
 
-/// Points by the axes of a ray. A function: operations in a closure that is not inlined would all be calls.
+/// Counts along axis `k` as floats.
 #[inline(always)]
-fn seen<S: Simd>(simd: S, ray: &ReadyRay<S>, [x, y, z]: &[[f32; WIDTH]; 3]) -> [f32x8<S>; 3] {
-    let x = f32x8::from_slice(simd, x) - ray.org[0];
-    let y = f32x8::from_slice(simd, y) - ray.org[1];
-    let z = f32x8::from_slice(simd, z) - ray.org[2];
-    let mut seen = ray.org;
-    for (row, axis) in seen.iter_mut().zip(&ray.axes) {
-        *row = x.mul_add(axis[0], y.mul_add(axis[1], z * axis[2]));
+fn counts<S: Simd>(simd: S, words: &[u32; WIDTH], k: u32) -> f32x8<S> {
+    let mut floats = [0.0; WIDTH];
+    for (float, &word) in floats.iter_mut().zip(words) {
+        *float = (word >> (10 * k) & 1023) as i32 as f32;
     }
-    seen
+    f32x8::from_slice(simd, &floats)
+}
+
+/// Bytes as floats.
+#[inline(always)]
+fn bytes<S: Simd>(simd: S, bytes: &[u8; WIDTH]) -> f32x8<S> {
+    let mut floats = [0.0; WIDTH];
+    for (float, &byte) in floats.iter_mut().zip(bytes) {
+        *float = f32::from(byte);
+    }
+    f32x8::from_slice(simd, &floats)
 }
 
 impl CurveBlock {
     /// A lane's curve, and its piece.
     fn segment(&self, lane: usize, shared: &Shared<Self>) -> Option<(Segment, [f64; 2])> {
         let (curves, prim_id) = shared.get(self.numbers[lane])?;
-        let [count, index] = [self.pieces[lane] >> 16, self.pieces[lane] & 0xffff];
-        Some((curves.segment(prim_id)?, part(index, count)))
+        Some((curves.segment(prim_id)?, part(self.place(lane))))
+    }
+
+    /// Points by the axes of a ray. A function: operations in a closure that is not inlined would all be calls.
+    #[inline(always)]
+    fn seen<S: Simd>(&self, simd: S, ray: &ReadyRay<S>, end: usize) -> [f32x8<S>; 3] {
+        let mut from = ray.org;
+        for (k, row) in from.iter_mut().enumerate() {
+            let origin = f32x8::splat(simd, self.origin[k]) - *row;
+            let step = f32x8::splat(simd, self.step(k));
+            *row = counts(simd, &self.ends[end], k as u32).mul_add(step, origin);
+        }
+        let mut seen = from;
+        for (row, axis) in seen.iter_mut().zip(&ray.axes) {
+            *row = from[0].mul_add(axis[0], from[1].mul_add(axis[1], from[2] * axis[2]));
+        }
+        seen
     }
 
     /// Lanes whose capsules the ray may meet within `[near, far]`, as bits.
     #[inline(always)]
     fn capsules<S: Simd>(&self, simd: S, ray: &ReadyRay<S>, [near, far]: [f32; 2]) -> u32 {
-        let [a, b] = [seen(simd, ray, &self.ends[0]), seen(simd, ray, &self.ends[1])];
-        let radius = f32x8::from_slice(simd, &self.radius) + ray.slack;
+        let [a, b] = [self.seen(simd, ray, 0), self.seen(simd, ray, 1)];
+        let counts = bytes(simd, &self.radius);
+        let radius = counts.mul_add(f32x8::splat(simd, self.step(3)), ray.slack);
         let step = [b[0] - a[0], b[1] - a[1]];
         let square = step[0].mul_add(step[0], step[1] * step[1]).max(f32x8::splat(simd, f32::MIN_POSITIVE));
         let t = (-(a[0].mul_add(step[0], a[1] * step[1])) / square).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 1.0));
@@ -89,7 +136,7 @@ impl CurveBlock {
         let length = ray.frame.length as f32;
         let is_before = (a[2].min(b[2]) - radius).simd_le(f32x8::splat(simd, far * length));
         let is_behind = (a[2].max(b[2]) + radius).simd_ge(f32x8::splat(simd, near * length));
-        let is_there = f32x8::from_slice(simd, &self.radius).simd_ge(f32x8::splat(simd, 0.0));
+        let is_there = counts.simd_gt(f32x8::splat(simd, 0.0));
         (is_near & is_before & is_behind & is_there).to_bitmask() as u32
     }
 }
@@ -123,27 +170,42 @@ impl BlockKind for CurveBlock {
     }
 
     fn empty() -> Self {
-        let (ends, radius) = ([[[0.0; WIDTH]; 3]; 2], [-1.0; WIDTH]);
-        Self { ends, radius, numbers: [INVALID_ID; WIDTH], pieces: [0; WIDTH] }
+        Self {
+            ends: [[0; WIDTH]; 2],
+            numbers: [INVALID_ID; WIDTH],
+            radius: [0; WIDTH],
+            origin: [0.0; 3],
+            steps: [0; 4],
+        }
+    }
+
+    fn frame(&mut self, items: &[Option<&CurvePiece>; WIDTH]) {
+        let ends = items.iter().flatten().flat_map(|piece| piece.ends);
+        let all = ends.fold(Aabb::EMPTY, |all, end| all.union(&Aabb { min: end, max: end }));
+        self.origin = all.min;
+        for (step, extent) in self.steps.iter_mut().zip(all.extent()) {
+            *step = half_above(extent / MOST_STEPS);
+        }
+        let widest = items.iter().flatten().map(|piece| self.counted(piece).1).fold(0.0, f64::max);
+        self.steps[3] = half_above(widest / 255.0);
     }
 
     fn set(&mut self, lane: usize, piece: &CurvePiece, number: u32) {
-        for (rows, end) in self.ends.iter_mut().zip(piece.ends) {
-            for (row, x) in rows.iter_mut().zip(end) {
-                row[lane] = x;
-            }
-        }
-        self.radius[lane] = piece.radius;
-        (self.numbers[lane], self.pieces[lane]) =
-            (number, u32::from(piece.count) << 16 | u32::from(piece.index));
+        let (counts, radius) = self.counted(piece);
+        let place = u32::from(place_of(piece.index, piece.count));
+        self.ends[0][lane] = counts[0] | place >> 2 << 30;
+        self.ends[1][lane] = counts[1] | place << 30;
+        self.radius[lane] = (radius / f64::from(self.step(3))).ceil().max(1.0) as u8;
+        self.numbers[lane] = number;
     }
 
     fn moved(&self, lane: usize, kind: &GeometryKind, prim_id: u32) -> Option<CurvePiece> {
         let GeometryKind::Curves(curves) = kind else { return None };
         let segment = curves.check(prim_id, &mut BadPrimitives::default())?;
+        let [index, count] = piece_at(self.place(lane));
         let mut found = None;
-        segment.pieces([0.0, 1.0], self.pieces[lane] >> 16, |piece| {
-            if u32::from(piece.index) == self.pieces[lane] & 0xffff {
+        segment.pieces([0.0, 1.0], u32::from(count), |piece| {
+            if piece.index == index {
                 found = Some(piece);
             }
         });
@@ -203,20 +265,53 @@ impl BlockKind for CurveBlock {
 
     fn primitive<'a>(&'a self, lane: usize, shared: &'a Shared<Self>) -> Primitive<'a> {
         let (curves, prim_id) = shared.of(self.numbers[lane]);
-        Primitive::Curve(curves, prim_id, part(self.pieces[lane] & 0xffff, self.pieces[lane] >> 16))
+        Primitive::Curve(curves, prim_id, part(self.place(lane)))
     }
 
     fn is_sound(&self, lane: usize, shared: &Shared<Self>, count: u32) -> bool {
-        let (number, radius) = (self.numbers[lane], self.radius[lane]);
-        let near = self.ends.as_flattened().iter().all(|row| row[lane].abs() <= FARTHEST_PLANE);
+        let (number, radius, place) = (self.numbers[lane], self.radius[lane], self.place(lane));
+        let is_size = |x: f32| (0.0..=FARTHEST_PLANE).contains(&x);
+        let near = self.origin.iter().all(|x| is_size(x.abs()))
+            && (0..4).all(|k| is_size(MOST_STEPS as f32 * self.step(k)));
         if number == INVALID_ID {
-            return near && radius < 0.0;
+            return near && radius == 0;
         }
-        let [pieces, index] = [self.pieces[lane] >> 16, self.pieces[lane] & 0xffff];
         let is_curve = shared.get(number).is_some_and(|(curves, prim_id)| {
             curves.view().check(prim_id, &mut BadPrimitives::default()).is_some()
         });
-        near && number < count && (0.0..=FARTHEST_PLANE).contains(&radius) && index < pieces && is_curve
+        near && number < count && radius > 0 && (1..16).contains(&place) && is_curve
+    }
+}
+
+impl CurveBlock {
+    /// A step along an axis, or that of radii.
+    #[inline(always)]
+    fn step(&self, k: usize) -> f32 {
+        f32::from_bits(u32::from(self.steps[k]) << 16)
+    }
+
+    /// A lane's place on its curve.
+    #[inline(always)]
+    fn place(&self, lane: usize) -> u8 {
+        (self.ends[0][lane] >> 30 << 2 | self.ends[1][lane] >> 30) as u8
+    }
+
+    /// Ends in steps from the origin, and the radius of the capsule with these ends, rounding included.
+    fn counted(&self, piece: &CurvePiece) -> ([u32; 2], f64) {
+        let mut most = 0.0f64;
+        let counts = piece.ends.map(|end| {
+            let (mut word, mut off) = (0, 0.0);
+            for (k, x) in end.into_iter().enumerate() {
+                let [x, origin, step] = [x, self.origin[k], self.step(k)].map(f64::from);
+                let count = ((x - origin) / step + 0.5).min(MOST_STEPS) as u32;
+                let moved = origin + step * f64::from(count) - x;
+                off += moved * moved;
+                word |= count << (10 * k);
+            }
+            most = most.max(off);
+            word
+        });
+        (counts, (f64::from(piece.radius) + most.sqrt()) * (1.0 + 1e-6))
     }
 }
 
@@ -300,27 +395,38 @@ impl BlockData for Arc<OwnedCurves> {
 }
 
 impl StoredRecord for CurveBlock {
-    const LENGTH: usize = 9 * WIDTH;
+    const LENGTH: usize = 3 * WIDTH + WIDTH / 4 + 5;
 
     fn put(&self, data: &mut [u32]) {
-        let (ends, rest) = data.split_at_mut(6 * WIDTH);
-        let (radii, rest) = rest.split_at_mut(WIDTH);
-        let (numbers, pieces) = rest.split_at_mut(WIDTH);
-        put_floats(ends, self.ends.as_flattened().as_flattened());
-        put_floats(radii, &self.radius);
-        numbers.copy_from_slice(&self.numbers);
-        pieces.copy_from_slice(&self.pieces);
+        let (words, rest) = data.split_at_mut(3 * WIDTH);
+        let (radii, rest) = rest.split_at_mut(WIDTH / 4);
+        let (origin, steps) = rest.split_at_mut(3);
+        words[..2 * WIDTH].copy_from_slice(self.ends.as_flattened());
+        words[2 * WIDTH..].copy_from_slice(&self.numbers);
+        for (word, &four) in radii.iter_mut().zip(self.radius.as_chunks().0) {
+            *word = u32::from_le_bytes(four);
+        }
+        put_floats(origin, &self.origin);
+        for (word, two) in steps.iter_mut().zip(self.steps.as_chunks().0) {
+            let &[low, high] = two;
+            *word = u32::from(low) | u32::from(high) << 16;
+        }
     }
 
     fn get(data: &[u32]) -> Self {
         let mut block = Self::empty();
-        let (ends, rest) = data.split_at(6 * WIDTH);
-        let (radii, rest) = rest.split_at(WIDTH);
-        let (numbers, pieces) = rest.split_at(WIDTH);
-        get_floats(block.ends.as_flattened_mut().as_flattened_mut(), ends);
-        get_floats(&mut block.radius, radii);
-        block.numbers.copy_from_slice(numbers);
-        block.pieces.copy_from_slice(pieces);
+        let (words, rest) = data.split_at(3 * WIDTH);
+        let (radii, rest) = rest.split_at(WIDTH / 4);
+        let (origin, steps) = rest.split_at(3);
+        block.ends.as_flattened_mut().copy_from_slice(&words[..2 * WIDTH]);
+        block.numbers.copy_from_slice(&words[2 * WIDTH..]);
+        for (four, word) in block.radius.as_chunks_mut().0.iter_mut().zip(radii) {
+            *four = word.to_le_bytes();
+        }
+        get_floats(&mut block.origin, origin);
+        for (two, word) in block.steps.as_chunks_mut().0.iter_mut().zip(steps) {
+            *two = [*word as u16, (word >> 16) as u16];
+        }
         block
     }
 }

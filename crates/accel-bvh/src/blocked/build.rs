@@ -91,6 +91,7 @@ impl<B: BlockKind> Blocked<B> {
         stats.primitives = primitives;
         let block = |indices: &[u32; WIDTH]| {
             let mut block = B::empty();
+            block.frame(&indices.map(|i| gathered.items.get(i as usize)));
             for (lane, &i) in indices.iter().enumerate().filter(|&(_, &i)| i != INVALID_ID) {
                 block.set(lane, &gathered.items[i as usize], gathered.numbers[i as usize]);
             }
@@ -112,7 +113,7 @@ impl<B: BlockKind> Blocked<B> {
         }
         self.shared = inputs.shared();
         let fit = |block: &mut B| {
-            let mut all = Aabb::EMPTY;
+            let mut items = [const { None }; WIDTH];
             for (lane, number) in lanes(block) {
                 let geometry = geometry_of(&inputs.numbering.starts, number);
                 let kind = &inputs.geometries[geometry].kind;
@@ -120,9 +121,15 @@ impl<B: BlockKind> Blocked<B> {
                     return Err(RefitError::OtherGeometry);
                 }
                 let item = block.moved(lane, kind, number - inputs.numbering.starts[geometry]);
-                let item = item.ok_or(RefitError::OtherPrimitives)?;
-                block.set(lane, &item, number);
-                all = all.union(&B::bounds(&item));
+                items[lane] = Some(item.ok_or(RefitError::OtherPrimitives)?);
+            }
+            block.frame(&items.each_ref().map(Option::as_ref));
+            let mut all = Aabb::EMPTY;
+            for (lane, number) in lanes(block) {
+                if let Some(item) = &items[lane] {
+                    block.set(lane, item, number);
+                    all = all.union(&B::bounds(item));
+                }
             }
             Ok(all)
         };

@@ -6,7 +6,7 @@
 pub(super) const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"GNUR"), u32::from_le_bytes(*b"TACC")];
 
 /// The version of the format. Increase it with every change of the contents of any list of any kind.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 
 /// Words that are read and written at a time.
 pub(super) const PIECE: usize = 1 << 14;
