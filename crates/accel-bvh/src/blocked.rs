@@ -10,6 +10,7 @@ mod store;
 
 use std::fmt;
 use std::io::{self, Read, Write};
+use std::ops::Range;
 
 use gnurt_accel_core::geometry::GeometryKind;
 use gnurt_accel_core::point::{NearestPoint, Probe};
@@ -35,6 +36,8 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
     type Item: Send + Sync;
     /// Data of one geometry that its primitives share; `()` for none.
     type Data: BlockData;
+    /// Primitives whose tests wait; `()` where none do.
+    type Waiting: Default;
     /// A ray made ready for blocks.
     type Ready<S: Simd>: Copy;
 
@@ -80,6 +83,36 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
         shared: &Shared<Self>,
         traversal: &mut RayTraversal,
     ) -> u64;
+
+    /// The same for the blocks of a leaf; some tests may wait until [`finish`](Self::finish).
+    #[inline(always)]
+    fn meet_leaf<S: Simd>(
+        blocks: &[Self],
+        leaf: Range<usize>,
+        simd: S,
+        ready: &Self::Ready<S>,
+        shared: &Shared<Self>,
+        _waiting: &mut Self::Waiting,
+        traversal: &mut RayTraversal,
+    ) -> u64 {
+        let mut tested = 0;
+        for block in &blocks[leaf] {
+            tested += block.meet(simd, ready, shared, traversal);
+        }
+        tested
+    }
+
+    /// Makes the tests that wait.
+    #[inline(always)]
+    fn finish<S: Simd>(
+        _blocks: &[Self],
+        _ready: &Self::Ready<S>,
+        _shared: &Shared<Self>,
+        _waiting: &mut Self::Waiting,
+        _traversal: &mut RayTraversal,
+    ) -> u64 {
+        0
+    }
 
     /// Offers the nearest point of a lane, which is not empty.
     fn near(
@@ -195,7 +228,7 @@ impl<B: BlockKind> Blocked<B> {
         let Self { tree, blocks, shared, greatest, .. } = self;
         let for_nodes = NodeRay::new(simd, traversal.ray, *greatest);
         let ready = B::ready(simd, traversal.ray, *greatest);
-        let mut tested = 0;
+        let (mut tested, mut waiting) = (0, B::Waiting::default());
         let visited = walk(
             tree,
             simd,
@@ -204,12 +237,11 @@ impl<B: BlockKind> Blocked<B> {
             traversal.reach(),
             #[inline(always)]
             |range| {
-                for block in &blocks[range] {
-                    tested += block.meet(simd, &ready, shared, traversal);
-                }
+                tested += B::meet_leaf(blocks, range, simd, &ready, shared, &mut waiting, traversal);
                 traversal.reach()
             },
         );
+        tested += B::finish(blocks, &ready, shared, &mut waiting, traversal);
         traversal.counters.nodes += u64::from(visited);
         traversal.counters.triangles += tested;
     }

@@ -6,6 +6,7 @@
 //! rounding of both its ends, seen along the ray, is below half of that. Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use std::io::{self, Read, Write};
+use std::ops::Range;
 use std::sync::Arc;
 
 use gnurt_accel_core::collect::Collect;
@@ -18,7 +19,7 @@ use gnurt_accel_core::store::{LoadError, Reader, StoredRecord, Writer, get_float
 use gnurt_accel_core::traversal::{RayKind, RayTraversal};
 use gnurt_accel_core::triangle::TriangleHit;
 use gnurt_accel_core::{Aabb, BadPrimitives, FARTHEST_PLANE, INVALID_ID, Ray};
-use gnurt_simd::{Simd, f32x8, prelude::*};
+use gnurt_simd::{Simd, f32x8, prefetch, prelude::*};
 
 use crate::blocked::{BlockData, BlockKind, Shared};
 use crate::node::WIDTH;
@@ -122,22 +123,84 @@ impl CurveBlock {
         seen
     }
 
-    /// Lanes whose capsules the ray may meet within `[near, far]`, as bits.
+    /// Lanes whose capsules the ray may meet within `[near, far]`, as bits, and the least lengths along the ray.
     #[inline(always)]
-    fn capsules<S: Simd>(&self, simd: S, ray: &ReadyRay<S>, [near, far]: [f32; 2]) -> u32 {
+    fn capsules<S: Simd>(&self, simd: S, ray: &ReadyRay<S>, [near, far]: [f32; 2]) -> (u32, f32x8<S>) {
         let [a, b] = [self.seen(simd, ray, 0), self.seen(simd, ray, 1)];
         let counts = bytes(simd, &self.radius);
         let radius = counts.mul_add(f32x8::splat(simd, self.step(3)), ray.slack);
+        // Seen along the ray: it passes beside the chord, before its start or behind its end.
         let step = [b[0] - a[0], b[1] - a[1]];
-        let square = step[0].mul_add(step[0], step[1] * step[1]).max(f32x8::splat(simd, f32::MIN_POSITIVE));
-        let t = (-(a[0].mul_add(step[0], a[1] * step[1])) / square).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, 1.0));
-        let off = [t.mul_add(step[0], a[0]), t.mul_add(step[1], a[1])];
-        let is_near = off[0].mul_add(off[0], off[1] * off[1]).simd_le(radius * radius);
+        let square = step[0].mul_add(step[0], step[1] * step[1]);
+        let beside = a[0].mul_sub(step[1], a[1] * step[0]);
+        let before = a[0].mul_add(step[0], a[1] * step[1]);
+        let behind = -(b[0].mul_add(step[0], b[1] * step[1]));
+        let off = before.max(behind).max(beside.abs());
+        let is_near = (off * off).simd_le(radius * radius * square);
         let length = ray.frame.length as f32;
-        let is_before = (a[2].min(b[2]) - radius).simd_le(f32x8::splat(simd, far * length));
+        let start = a[2].min(b[2]) - radius;
+        let is_before = start.simd_le(f32x8::splat(simd, far * length));
         let is_behind = (a[2].max(b[2]) + radius).simd_ge(f32x8::splat(simd, near * length));
         let is_there = counts.simd_gt(f32x8::splat(simd, 0.0));
-        (is_near & is_before & is_behind & is_there).to_bitmask() as u32
+        ((is_near & is_before & is_behind & is_there).to_bitmask() as u32, start)
+    }
+
+    /// Requests the vertices of a lane's curve, which are about to be read.
+    #[inline(always)]
+    fn prefetch(&self, lane: usize, shared: &Shared<Self>) {
+        if let Some((curves, prim_id)) = shared.get(self.numbers[lane])
+            && let Some(&first) = curves.indices.get(prim_id as usize)
+        {
+            prefetch(&curves.vertices, first as usize);
+            prefetch(&curves.vertices, first as usize + 3);
+        }
+    }
+}
+
+/// Most pieces that wait.
+const MOST_WAIT: usize = 32;
+
+/// Pieces whose capsules are met. They are tested at the next leaf, when their vertices have arrived.
+pub struct Waiting {
+    count: usize,
+    /// Lanes of all blocks.
+    places: [u32; MOST_WAIT],
+    /// No hit is nearer along the ray.
+    starts: [f32; MOST_WAIT],
+}
+
+impl Default for Waiting {
+    #[inline(always)]
+    fn default() -> Self {
+        Self { count: 0, places: [0; MOST_WAIT], starts: [0.0; MOST_WAIT] }
+    }
+}
+
+impl Waiting {
+    /// Tests the first pieces. Returns how many were tested.
+    #[inline(always)]
+    fn test(
+        &mut self,
+        count: usize,
+        blocks: &[CurveBlock],
+        frame: &RayFrame,
+        shared: &Shared<CurveBlock>,
+        traversal: &mut RayTraversal,
+    ) -> u64 {
+        let mut tested = 0;
+        let length = frame.length as f32;
+        for i in 0..count.min(MOST_WAIT) {
+            let place = self.places[i] as usize;
+            if self.starts[i] <= traversal.reach() * length && !traversal.is_done() {
+                tested += 1;
+                blocks[place / WIDTH].meet_one(place % WIDTH, frame, shared, traversal.slot, traversal);
+            }
+        }
+        for i in count..self.count.min(MOST_WAIT) {
+            (self.places[i - count], self.starts[i - count]) = (self.places[i], self.starts[i]);
+        }
+        self.count -= count;
+        tested
     }
 }
 
@@ -145,6 +208,7 @@ impl BlockKind for CurveBlock {
     const IN_FILES: Result<[u64; 2], &'static str> = Ok([8, 9]);
     type Item = CurvePiece;
     type Data = Arc<OwnedCurves>;
+    type Waiting = Waiting;
     type Ready<S: Simd> = ReadyRay<S>;
 
     fn is_kind_of(kind: &GeometryKind) -> bool {
@@ -237,16 +301,54 @@ impl BlockKind for CurveBlock {
         shared: &Shared<Self>,
         traversal: &mut RayTraversal,
     ) -> u64 {
-        let RayTraversal { ray, slot, .. } = *traversal;
-        let mut bits = self.capsules(simd, ready, [ray.t_near, traversal.reach()]);
-        let mut tested = 0;
-        while bits != 0 && !traversal.is_done() {
-            let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
-            bits &= bits - 1;
-            tested += 1;
-            self.meet_one(lane, &ready.frame, shared, slot, traversal);
+        let mut waiting = Waiting::default();
+        Self::meet_leaf(std::slice::from_ref(self), 0..1, simd, ready, shared, &mut waiting, traversal)
+            + Self::finish(std::slice::from_ref(self), ready, shared, &mut waiting, traversal)
+    }
+
+    #[inline(always)]
+    fn meet_leaf<S: Simd>(
+        blocks: &[Self],
+        leaf: Range<usize>,
+        simd: S,
+        ready: &ReadyRay<S>,
+        shared: &Shared<Self>,
+        waiting: &mut Waiting,
+        traversal: &mut RayTraversal,
+    ) -> u64 {
+        let (mut before, mut tested) = (waiting.count, 0);
+        for index in leaf {
+            let block = &blocks[index];
+            let (mut bits, starts) = block.capsules(simd, ready, [traversal.ray.t_near, traversal.reach()]);
+            while bits != 0 {
+                let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
+                bits &= bits - 1;
+                if waiting.count == MOST_WAIT {
+                    tested += waiting.test(MOST_WAIT, blocks, &ready.frame, shared, traversal);
+                    before = 0;
+                }
+                block.prefetch(lane, shared);
+                let last = waiting.count & (MOST_WAIT - 1);
+                waiting.places[last] = (index * WIDTH + lane) as u32;
+                waiting.starts[last] = starts.as_array()[lane];
+                waiting.count += 1;
+            }
+        }
+        if before > 0 {
+            tested += waiting.test(before, blocks, &ready.frame, shared, traversal);
         }
         tested
+    }
+
+    #[inline(always)]
+    fn finish<S: Simd>(
+        blocks: &[Self],
+        ready: &ReadyRay<S>,
+        shared: &Shared<Self>,
+        waiting: &mut Waiting,
+        traversal: &mut RayTraversal,
+    ) -> u64 {
+        waiting.test(waiting.count, blocks, &ready.frame, shared, traversal)
     }
 
     fn near(

@@ -42,6 +42,7 @@ impl BlockKind for DiscBlock {
     const IN_FILES: Result<[u64; 2], &'static str> = Ok([6, 7]);
     type Item = Disc;
     type Data = ();
+    type Waiting = ();
     /// The inverse square of the direction, and by how much spheres are larger.
     type Ready<S: Simd> = [f32x8<S>; 2];
 

@@ -39,6 +39,7 @@ impl BlockKind for SphereBlock {
     const IN_FILES: Result<[u64; 2], &'static str> = Ok([3, 5]);
     type Item = ([f32; 3], f32);
     type Data = ();
+    type Waiting = ();
     /// The inverse square of the direction.
     type Ready<S: Simd> = f32x8<S>;
 

@@ -26,6 +26,7 @@ impl BlockKind for UserBlock {
     const IN_FILES: Result<[u64; 2], &'static str> = Err("user geometry cannot be saved");
     type Item = Aabb;
     type Data = Arc<dyn UserGeometry>;
+    type Waiting = ();
     type Ready<S: Simd> = ();
 
     fn is_kind_of(kind: &GeometryKind) -> bool {
