@@ -26,7 +26,7 @@ pub use build::Inputs;
 use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::tree::Tree;
-use crate::walk::walk;
+use crate::walk::{Ahead, walk};
 
 /// A kind of primitives: a block of eight of them.
 pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
@@ -230,7 +230,7 @@ impl<B: BlockKind> Blocked<B> {
         let ready = B::ready(simd, traversal.ray, *greatest);
         let (mut tested, mut waiting) = (0, B::Waiting::default());
         let visited = walk(
-            tree,
+            &Ahead { tree, blocks },
             simd,
             Child::node(0),
             &for_nodes,

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use gnurt_simd::{Simd, Stack, StackBuffer, f32x8, prelude::*};
+use gnurt_simd::{Simd, Stack, StackBuffer, f32x8, prefetch, prelude::*};
 
 use crate::compact::{Children, CompactNode, CompactNodes};
 use crate::node::{Child, Node8, WIDTH};
@@ -166,6 +166,39 @@ impl Nodes for Tree {
                 meet_compact(simd, node, children, ray, reach)
             }
         }
+    }
+}
+
+/// The same, requesting all that a ray is about to visit: where trees are larger than caches, and rays visit most of what they
+/// put on the stack.
+pub(crate) struct Ahead<'a, B> {
+    pub(crate) tree: &'a Tree,
+    pub(crate) blocks: &'a [B],
+}
+
+impl<B> Nodes for Ahead<'_, B> {
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &NodeRay<S>,
+        reach: f32,
+    ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
+        let (bits, near, children) = self.tree.meet(simd, index, ray, reach);
+        let mut rest = bits & bits.wrapping_sub(1);
+        if rest != 0 {
+            rest = bits;
+            while rest != 0 {
+                let child = Child::at(children, rest.trailing_zeros() as usize);
+                rest &= rest - 1;
+                // Both, one of them near: a branch would be hard to foresee.
+                let is_leaf = child.is_leaf();
+                prefetch(self.blocks, if is_leaf { child.blocks().start } else { 0 });
+                prefetch(&self.tree.nodes, if is_leaf { index } else { child.index() });
+            }
+        }
+        (bits, near, children)
     }
 }
 
