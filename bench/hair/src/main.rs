@@ -16,8 +16,8 @@ use std::path::Path;
 
 use ffi_embree::{Active, Arguments, Device, Library, Packet, Scene};
 use gnurt_accel::{
-    BuildOptions, Coherence, CurveBasis, CurveForm, Curves, HitBatch, INVALID_ID, ObjectTree, Query, RayBatch,
-    Record, Threads,
+    BuildOptions, Coherence, CurveBasis, CurveForm, Curves, HitBatch, INVALID_ID, ObjectTree, Query,
+    RayBatch, Record, Threads,
 };
 use strands::Strands;
 
@@ -46,7 +46,9 @@ fn trace(engine: &Engine, rays: &RayBatch, any: bool, t: &mut Vec<f32>) {
             t.extend((0..rays.len()).map(|i| of(tree.occluded(&rays.get(i)))));
         }
         Engine::Ours(tree, None) => {
-            t.extend((0..rays.len()).map(|i| tree.intersect(&rays.get(i)).map_or(f32::INFINITY, |hit| hit.t)));
+            t.extend(
+                (0..rays.len()).map(|i| tree.intersect(&rays.get(i)).map_or(f32::INFINITY, |hit| hit.t)),
+            );
         }
         Engine::Ours(tree, Some(coherence)) => {
             let query = Query { coherence: *coherence, ..Query::default() };
@@ -97,18 +99,23 @@ fn packets<const N: usize>(scene: &Scene, rays: &RayBatch, any: bool, coherent: 
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let given: HashMap<&str, &str> = words.chunks(2).filter_map(|pair| match pair {
-        [key, value] => Some((key.trim_start_matches('-'), value.as_str())),
-        _ => None,
-    }).collect();
+    let given: HashMap<&str, &str> = words
+        .chunks(2)
+        .filter_map(|pair| match pair {
+            [key, value] => Some((key.trim_start_matches('-'), value.as_str())),
+            _ => None,
+        })
+        .collect();
     let text = |key: &str, other: &'static str| given.get(key).map_or(other, |value| *value);
     let number = |key: &str, other: &'static str| text(key, other).parse::<usize>();
-    let (count, size, rounds) = (number("strands", "100000")?, number("size", "256")?, number("rounds", "5")?);
+    let (count, size, rounds) =
+        (number("strands", "100000")?, number("size", "256")?, number("rounds", "5")?);
     let builds = number("builds", "3")?;
     let file = std::env::var_os("EMBREE4_LIB").ok_or("EMBREE4_LIB names no library of Embree 4")?;
     let library = Library::open(Path::new(&file))?;
     let device = Device::open(&library, "threads=1")?;
-    let is_asked = |key: &str, name: &str, other: &'static str| text(key, other).split(',').any(|word| word == name);
+    let is_asked =
+        |key: &str, name: &str, other: &'static str| text(key, other).split(',').any(|word| word == name);
     let mut json = String::from("[\n");
     for hair in ["fur", "long"].into_iter().filter(|hair| is_asked("hair", hair, "fur,long")) {
         for (name, basis, form) in [
@@ -122,14 +129,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 continue;
             }
             let strands = Strands::new(hair, count, basis);
-            let curves = Curves { pieces: number("pieces", "0")? as u8, ..Curves::new(basis, form, &strands.vertices, &strands.indices) };
+            let curves = Curves {
+                pieces: number("pieces", "0")? as u8,
+                ..Curves::new(basis, form, &strands.vertices, &strands.indices)
+            };
             let arrays = 16 * strands.vertices.len() + 4 * strands.indices.len();
             let (mut own_build, mut their_build) = (Vec::new(), Vec::new());
             let (mut tree, mut scene, mut bytes) = (None, None, 0);
             for _ in 0..builds.max(1) {
                 drop(tree.take());
                 let start = seconds();
-                tree = Some(ObjectTree::build_from(&[curves.into()], &BuildOptions::default(), Threads::Single));
+                tree =
+                    Some(ObjectTree::build_from(&[curves.into()], &BuildOptions::default(), Threads::Single));
                 own_build.push(seconds() - start);
                 drop(scene.take());
                 let before = device.memory().0;
@@ -175,8 +186,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 ("e16", Engine::Theirs(scene, 16, false)),
                 ("e16c", Engine::Theirs(scene, 16, true)),
             ];
-            let classes =
-                [("camera", &camera, false), ("shadow", &shadow, true), ("diffuse", &diffuse, false), ("random", &random, false)];
+            let classes = [
+                ("camera", &camera, false),
+                ("shadow", &shadow, true),
+                ("diffuse", &diffuse, false),
+                ("random", &random, false),
+            ];
             for (class, rays, any) in classes {
                 if !is_asked("class", class, "camera,shadow,diffuse,random") {
                     continue;
@@ -214,8 +229,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     hits(&answers[0]),
                     differ.count(),
                 );
-                let pairs: Vec<String> =
-                    engines.iter().zip(&rates).map(|((mode, _), rate)| format!(r#""{mode}":{rate:.4}"#)).collect();
+                let pairs: Vec<String> = engines
+                    .iter()
+                    .zip(&rates)
+                    .map(|((mode, _), rate)| format!(r#""{mode}":{rate:.4}"#))
+                    .collect();
                 writeln!(
                     json,
                     r#"{{"hair":"{hair}","type":"{name}","class":"{class}",{},"best":{:.3},"single":{:.3}}},"#,

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::curve::{CurveBasis, CurveForm, CurvePiece, OwnedCurves, RayFrame, Segment};
+use gnurt_accel_core::float::{least, most};
 use gnurt_accel_core::geometry::GeometryKind;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
@@ -244,22 +245,51 @@ impl BlockKind for CurveBlock {
     }
 
     fn frame(&mut self, items: &[Option<&CurvePiece>; WIDTH]) {
-        let ends = items.iter().flatten().flat_map(|piece| piece.ends);
-        let all = ends.fold(Aabb::EMPTY, |all, end| all.union(&Aabb { min: end, max: end }));
-        self.origin = all.min;
-        for (step, extent) in self.steps.iter_mut().zip(all.extent()) {
-            *step = half_above(extent / MOST_STEPS);
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for end in items.iter().flatten().flat_map(|piece| &piece.ends) {
+            for k in 0..3 {
+                (low[k], high[k]) = (least(low[k], end[k]), most(high[k], end[k]));
+            }
         }
-        let widest = items.iter().flatten().map(|piece| self.counted(piece).1).fold(0.0, f64::max);
+        self.origin = low;
+        for k in 0..3 {
+            self.steps[k] = half_above((f64::from(high[k]) - f64::from(low[k])) / MOST_STEPS);
+        }
+        let steps = [0, 1, 2].map(|k| f64::from(self.step(k)));
+        let (origin, over) = (low.map(f64::from), steps.map(|step| 1.0 / step));
+        let mut radii = [0.0; WIDTH];
+        for (lane, piece) in items.iter().enumerate() {
+            let Some(piece) = piece else { continue };
+            // What the ends move counts for the radius.
+            let mut farthest = 0.0f64;
+            for (words, end) in self.ends.iter_mut().zip(&piece.ends) {
+                let (mut word, mut off) = (0, 0.0);
+                for k in 0..3 {
+                    let x = f64::from(end[k]) - origin[k];
+                    let count = (x * over[k] + 0.5).min(MOST_STEPS) as u32;
+                    let moved = steps[k] * f64::from(count) - x;
+                    off += moved * moved;
+                    word |= count << (10 * k);
+                }
+                words[lane] = word;
+                farthest = farthest.max(off);
+            }
+            radii[lane] = (f64::from(piece.radius) + farthest.sqrt()) * (1.0 + 1e-6);
+        }
+        let widest = radii.iter().fold(0.0, |all, &radius| if radius > all { radius } else { all });
         self.steps[3] = half_above(widest / 255.0);
+        let over = 1.0 / f64::from(self.step(3));
+        // Up to the next whole number, and by more than the product rounds.
+        self.radius = radii.map(|radius| (radius * over + 1.0 - 1e-9).min(255.0) as u8);
+        for (radius, piece) in self.radius.iter_mut().zip(items) {
+            *radius = if piece.is_some() { (*radius).max(1) } else { 0 };
+        }
     }
 
     fn set(&mut self, lane: usize, piece: &CurvePiece, number: u32) {
-        let (counts, radius) = self.counted(piece);
         let place = u32::from(place_of(piece.index, piece.count));
-        self.ends[0][lane] = counts[0] | place >> 2 << 30;
-        self.ends[1][lane] = counts[1] | place << 30;
-        self.radius[lane] = (radius / f64::from(self.step(3))).ceil().max(1.0) as u8;
+        self.ends[0][lane] |= place >> 2 << 30;
+        self.ends[1][lane] |= place << 30;
         self.numbers[lane] = number;
     }
 
@@ -396,24 +426,6 @@ impl CurveBlock {
     #[inline(always)]
     fn place(&self, lane: usize) -> u8 {
         (self.ends[0][lane] >> 30 << 2 | self.ends[1][lane] >> 30) as u8
-    }
-
-    /// Ends in steps from the origin, and the radius of the capsule with these ends, rounding included.
-    fn counted(&self, piece: &CurvePiece) -> ([u32; 2], f64) {
-        let mut most = 0.0f64;
-        let counts = piece.ends.map(|end| {
-            let (mut word, mut off) = (0, 0.0);
-            for (k, x) in end.into_iter().enumerate() {
-                let [x, origin, step] = [x, self.origin[k], self.step(k)].map(f64::from);
-                let count = ((x - origin) / step + 0.5).min(MOST_STEPS) as u32;
-                let moved = origin + step * f64::from(count) - x;
-                off += moved * moved;
-                word |= count << (10 * k);
-            }
-            most = most.max(off);
-            word
-        });
-        (counts, (f64::from(piece.radius) + most.sqrt()) * (1.0 + 1e-6))
     }
 }
 

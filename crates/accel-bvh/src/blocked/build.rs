@@ -75,7 +75,11 @@ impl<B: BlockKind> Blocked<B> {
         memory: Memory,
         threads: Threads,
     ) -> Result<Self, BuildError> {
-        let mut gathered = Gathered::<B> { items: Vec::new(), numbers: Vec::new() };
+        // Pieces may be more; their memory is taken as it fills.
+        let most = 2 * inputs.count() as usize;
+        let mut gathered =
+            Gathered::<B> { items: Vec::with_capacity(most), numbers: Vec::with_capacity(most) };
+        prefer_huge_pages(&gathered.items);
         let mut primitives = 0;
         for (i, geometry) in inputs.own() {
             for (prim_id, number) in (0..).zip(inputs.numbering.range(i)) {

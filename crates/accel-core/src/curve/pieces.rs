@@ -14,13 +14,7 @@ type Point = [f64; 3];
 const SKIPPED: f64 = 2.0;
 
 /// Offers the hits of the pieces of a part, whose ends are ends of pieces.
-pub(super) fn meet(
-    cubic: &Cubic,
-    count: u8,
-    ray: &RayFrame,
-    [from, to]: [f64; 2],
-    hit: Offer,
-) {
+pub(super) fn meet(cubic: &Cubic, count: u8, ray: &RayFrame, [from, to]: [f64; 2], hit: Offer) {
     let seen = cubic.mapped(|v| ray.by_axes(v), ray.org);
     let count = f64::from(count);
     let [first, last] = [from, to].map(|u| (u * count).round() as u32);

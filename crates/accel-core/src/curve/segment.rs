@@ -59,7 +59,8 @@ impl CurvePiece {
             max: high.map(|x| ((x + radius) as f32).next_up()),
         };
         // The ends move where they become floats.
-        let rounding = low.iter().chain(&high).fold(0.0, |all, x| most(all, x.abs())) * f64::from(f32::EPSILON);
+        let rounding =
+            low.iter().chain(&high).fold(0.0, |all, x| most(all, x.abs())) * f64::from(f32::EPSILON);
         let radius = ((radius + off + rounding) as f32).next_up();
         let ends = ends.map(|end| place(end).map(|x| x as f32));
         Self { bounds, ends, radius, index: index as u8, count: count as u8 }
@@ -139,7 +140,7 @@ impl Segment {
         let bend = cubic.bend_length(0.0).max(cubic.bend_length(1.0));
         // The deviation from the chord falls with the square of the number.
         let widest = (0..=4).map(|i| cubic.at(f64::from(i) / 4.0)[3]).fold(0.0, f64::max);
-        let allowed = (0.02 * length).max(0.5 * widest);
+        let allowed = (0.014 * length).max(0.5 * widest);
         let most = match self {
             // No straight piece is in two parts.
             Self::Pieces(_, pieces) => 8.min(1 << pieces.trailing_zeros()),
