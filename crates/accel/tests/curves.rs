@@ -521,3 +521,25 @@ fn boxes_and_normals_of_curves() {
         assert_eq!(ids.len(), touched, "{low:?} to {high:?}");
     }
 }
+
+#[test]
+fn many_curves_in_one_leaf_are_all_tested() {
+    // More than wait for their vertices at a time, at the same place but for the depth.
+    let n = 200;
+    let vertices: Vec<[f32; 4]> = (0..n)
+        .flat_map(|i| (0..4).map(move |k| [k as f32, 0.2 * (k % 2) as f32, 1e-4 * i as f32, 0.1]))
+        .collect();
+    let indices: Vec<u32> = (0..n).map(|i| 4 * i).collect();
+    for (form, of_each) in [(CurveForm::Flat, 1), (CurveForm::Round, 2)] {
+        let object = build(Curves::new(CurveBasis::Bezier, form, &vertices, &indices).into(), 0);
+        for (ray, nearest) in [
+            (Ray::new([1.5, 0.1, -5.0], [0.0, 0.0, 1.0]), 0),
+            (Ray::new([1.5, 0.1, 5.0], [0.0, 0.0, -1.0]), n - 1),
+        ] {
+            assert_eq!(object.all(&ray).len(), of_each * n as usize, "{form:?}: each is met");
+            let hit = object.intersect(&ray).expect("there are many");
+            assert_eq!(hit.prim_id, nearest, "{form:?}: the first of them is the closest");
+            assert!(object.occluded(&ray), "{form:?}: there are many");
+        }
+    }
+}
