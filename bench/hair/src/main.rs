@@ -4,7 +4,6 @@
 //! [--type flat-bspline,...] [--class camera,...] [--json FILE]`. A library that was built without curves finds no hits.
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
-mod ffi_curves;
 #[allow(dead_code, reason = "for more than curves")]
 #[path = "../../../crates/bench/src/ffi_embree.rs"]
 mod ffi_embree;
@@ -97,6 +96,24 @@ fn packets<const N: usize>(scene: &Scene, rays: &RayBatch, any: bool, coherent: 
     }
 }
 
+/// Embree's scene of curves without normals or tangents of their own, in medium quality.
+fn build_theirs<'a>(device: &'a Device<'a>, curves: &Curves<'a>) -> Result<Scene<'a>, String> {
+    let is_flat = match curves.form {
+        CurveForm::Round => 0,
+        CurveForm::Flat => 1,
+        CurveForm::Oriented => return Err("oriented curves need normals".into()),
+    };
+    // RTC_GEOMETRY_TYPE_*_CURVE, round and then flat.
+    let (first, order) = match curves.basis {
+        CurveBasis::Linear => (16, 2),
+        CurveBasis::Bezier => (24, 4),
+        CurveBasis::BSpline => (32, 4),
+        CurveBasis::CatmullRom => (58, 4),
+        CurveBasis::Hermite => return Err("Hermite curves need tangents".into()),
+    };
+    Scene::build_curves(device, first + is_flat, curves.vertices, curves.indices, order, 1)
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let given: HashMap<&str, &str> = words
@@ -145,7 +162,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 drop(scene.take());
                 let before = device.memory().0;
                 let start = seconds();
-                scene = Some(ffi_curves::build(&device, &curves, 1)?);
+                scene = Some(build_theirs(&device, &curves)?);
                 their_build.push(seconds() - start);
                 bytes = device.memory().0 - before;
             }

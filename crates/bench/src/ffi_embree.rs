@@ -335,6 +335,34 @@ impl<'a> Scene<'a> {
         Ok(scene)
     }
 
+    /// Builds over curves of `order` vertices from each index on; `geometry_type` is one of the header's.
+    #[allow(dead_code, reason = "bench/hair includes this file")]
+    pub(crate) fn build_curves(
+        device: &'a Device<'a>,
+        geometry_type: c_int,
+        vertices: &'a [[f32; 4]],
+        indices: &'a [u32],
+        order: usize,
+        quality: i32,
+    ) -> Result<Self, String> {
+        const FORMAT_UINT: c_int = 0x5001;
+        const FORMAT_FLOAT4: c_int = 0x9004;
+        let highest = indices.iter().max().map_or(0, |&i| i as usize + order);
+        assert!(highest <= vertices.len(), "a curve ends at {highest} of {} vertices", vertices.len());
+        let library = device.library;
+        // SAFETY: handles are used as Embree's manual shows. The arrays outlive the scene, and all indices are in range.
+        let scene = unsafe {
+            let geometry = (library.new_geometry)(device.raw, geometry_type);
+            let (corners, curves) = (vertices.as_ptr().cast(), indices.as_ptr().cast());
+            let share = library.share_buffer;
+            share(geometry, BUFFER_VERTEX, 0, FORMAT_FLOAT4, corners, 0, 16, vertices.len());
+            share(geometry, BUFFER_INDEX, 0, FORMAT_UINT, curves, 0, 4, indices.len());
+            Self::of(device, geometry, quality, 0)
+        };
+        device.check()?;
+        Ok(scene)
+    }
+
     /// Commits a geometry, and a scene of only this geometry, which then owns it.
     ///
     /// # Safety

@@ -179,7 +179,7 @@ impl CurveBlock {
         let mut radii = [0.0; WIDTH];
         for (lane, piece) in items.iter().enumerate() {
             let Some(piece) = piece else { continue };
-            // What the ends move counts for the radius.
+            // Distances that ends move count for the radius.
             let mut farthest = 0.0f64;
             for (words, end) in self.ends.iter_mut().zip(&piece.ends) {
                 let (mut word, mut off) = (0, 0.0);
