@@ -13,6 +13,8 @@ from nodes import CASES
 
 MEAN, STRUCTURE = 0.02, 0.98
 GRID = 4
+# Pictures of 32 samples; of nodes that are random themselves, whose noise is not structure, of more.
+SAMPLES = {"ambient occlusion": 192}
 # Nodes that show triangles.
 COARSE = {"ShaderNodeNewGeometry", "ShaderNodeWireframe"}
 # Nodes whose numbers may be negative.
@@ -172,7 +174,7 @@ def judge(name, out):
     data.type, data.ortho_scale = "ORTHO", GRID
     seen = add("Camera", data, (0, 0, 5))
     scene.camera = seen
-    ours, theirs = render("GNURT", 32), render("CYCLES", 32)
+    ours, theirs = (render(engine, SAMPLES.get(name, 32)) for engine in ("GNURT", "CYCLES"))
     if out:
         png(out / f"{name.replace(' ', '_')}.png", ours, theirs)
     worst, failed = [], []
