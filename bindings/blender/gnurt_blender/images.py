@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images of Blender as textures: pixels in linear light, or as they are stored for data."""
 
+import bpy
 import numpy as np
 
 
@@ -9,8 +10,6 @@ def pixels(image, warn):
 
     The space "coded" is that of bytes in sRGB which are to be decoded after they are interpolated.
     """
-    if image.source == "MOVIE":
-        warn(f"image '{image.name}': movies show one picture")
     width, height = image.size
     channels = image.channels
     if width == 0 or height == 0 or not image.has_data and len(image.pixels) == 0:
@@ -26,6 +25,25 @@ def pixels(image, warn):
         # Cycles interpolates the stored values and decodes the result: the shader does so, too.
         return np.round(values * 255).astype(np.uint8), "coded"
     return np.ascontiguousarray(values), "linear"
+
+
+def movie_pixels(image, number, warn):
+    """The same of one picture of a movie, from 1 on.
+
+    Blender's call for the pixels of an image has no number of a picture: it returns the one that was read last. A texture reads
+    the picture of its own user when it is evaluated.
+    """
+    movie = image.original
+    texture = bpy.data.textures.new("frame", "IMAGE")
+    try:
+        texture.image = movie
+        user = texture.image_user
+        user.use_auto_refresh = False
+        user.frame_current = number
+        texture.evaluate((0, 0, 0))
+        return pixels(movie, warn)
+    finally:
+        bpy.data.textures.remove(texture)
 
 
 def is_coded(image, warn):

@@ -405,16 +405,22 @@ class Export:
         """The number of a picture, whether its values are coded as sRGB, and its size; or None. `user` chooses the picture of a sequence."""
         if image.source == "SEQUENCE" and user is not None:
             return self.frame_of(image, user)
-        if image.name_full not in self.images:
-            found = images.pixels(image, self.warn)
-            number = None
+        if image.source == "MOVIE":
+            frame = picture_files.frame_number(user, self.scene_data.frame_current) if user is not None else 1
+            return self.read(image, (image.name_full, frame), lambda: images.movie_pixels(image, frame, self.warn))
+        return self.read(image, image.name_full, lambda: images.pixels(image, self.warn))
+
+    def read(self, image, key, pixels):
+        """Pixels as `image` has pictures, read once for a key."""
+        if key not in self.images:
+            found, number = pixels(), None
             if found is not None:
                 values, space = found
                 number = self.scene.add_texture(values, name=image.name, colorspace="linear")
                 self.pictures[number] = values
                 number = (number, space == "coded", tuple(image.size))
-            self.images[image.name_full] = number
-        return self.images[image.name_full]
+            self.images[key] = number
+        return self.images[key]
 
     def frame_of(self, image, user):
         """The picture of a sequence at this frame."""

@@ -286,6 +286,47 @@ def sequence():
     bpy.context.scene.frame_set(8)
 
 
+def filmed(path, frames=6):
+    """A movie file of even pictures, made by the sequencer of a scene of its own."""
+    film = bpy.data.scenes.new("film")
+    film.render.resolution_x = film.render.resolution_y = 32
+    film.frame_start, film.frame_end = 1, frames
+    editor = film.sequence_editor_create()
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
+    length = "length" if hasattr(editor, "strips") and bpy.app.version >= (5, 0) else "frame_end"
+    for number in range(1, frames + 1):
+        strip = strips.new_effect(name=f"{number}", type="COLOR", channel=1, frame_start=number, **{length: 1 if length == "length" else number + 1})
+        strip.color = (number / frames, 1 - number / frames, 0.3)
+    settings = film.render.image_settings
+    if hasattr(settings, "media_type"):
+        settings.media_type = "VIDEO"
+    settings.file_format = "FFMPEG"
+    film.render.ffmpeg.format, film.render.ffmpeg.codec = "MPEG4", "H264"
+    film.render.ffmpeg.constant_rate_factor = "LOSSLESS"
+    film.render.filepath = path
+    bpy.ops.render.render(animation=True, scene=film.name)
+    bpy.data.scenes.remove(film)
+
+
+@scene
+def movie():
+    """Pictures of a movie, of one that repeats and one that stops at its end."""
+    import tempfile
+
+    path = f"{tempfile.mkdtemp()}/film.mp4"
+    filmed(path)
+    floor()
+    for x, cyclic in ((-1.3, True), (1.3, False)):
+        made = material("film", "ShaderNodeBsdfDiffuse")
+        node = linked(made, "ShaderNodeTexImage", "Color", image=bpy.data.images.load(path, check_existing=True))
+        user = node.image_user
+        user.frame_duration, user.frame_start, user.frame_offset, user.use_cyclic = 4, 2, 1, cyclic
+        user.use_auto_refresh = True
+        shape("cube", (x, 0, 0.8), made, size=1.6)
+    lit()
+    bpy.context.scene.frame_set(8)
+
+
 @scene
 def portal():
     """A room whose window a portal marks: it shines no light."""
