@@ -10,7 +10,6 @@ import numpy as np
 
 from . import hashes
 
-
 class Strands:
     """Strands that go through all of their points: vertices (n, 3), radii (n,), and how many vertices each strand has.
 
@@ -18,7 +17,7 @@ class Strands:
     The first and the last point are there twice: a Catmull-Rom curve goes from its second vertex to the last but one.
     """
 
-    def __init__(self, points, radii, counts):
+    def __init__(self, points, radii, counts, normals=None):
         counts = np.asarray(counts, np.int64)
         kept = counts > 1
         points, radii = np.asarray(points, np.float32), np.asarray(radii, np.float32)
@@ -26,6 +25,8 @@ class Strands:
             rows = np.repeat(kept, counts)
             points, radii, counts = points[rows], radii[rows], counts[kept]
         self.points, self.thickness, self.lengths = points, radii, counts
+        # Normals of the curves, (m, 3).
+        self.normals = None if normals is None else normals[rows] if not kept.all() else normals
         # How often each point is there.
         self.times = np.ones(len(points), np.int64)
         ends = np.cumsum(counts)
@@ -65,6 +66,8 @@ class Strands:
             return 2 * self.radii
         if name == "Random":
             return self._of_strands(hashes.of_number(np.arange(len(self.lengths), dtype=np.uint64)))
+        if name == "Normal" and self.normals is not None:
+            return np.repeat(self.normals, self.times, axis=0)
         return None
 
 
@@ -91,12 +94,15 @@ def of_curves(curves):
     found = curves.attributes.get("radius")
     if found is not None:
         found.data.foreach_get("value", radii)
+    normals = np.empty(len(positions) * 3, np.float32)
+    curves.normals.foreach_get("vector", normals)
+    normals = normals.reshape(-1, 3)
     if not len(curves.curves):
         return Strands(positions, radii, [])
     # Where each curve begins, and where the last one ends.
     offsets = np.empty(len(curves.curve_offset_data), np.int32)
     curves.curve_offset_data.foreach_get("value", offsets)
-    return Strands(positions, radii, np.diff(offsets))
+    return Strands(positions, radii, np.diff(offsets), normals)
 
 
 def of_particles(evaluated, system, matrix):

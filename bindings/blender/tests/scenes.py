@@ -820,6 +820,49 @@ def hair_alone():
     bpy.context.scene["means only"] = True
 
 
+def rough_paint(name, parametrization="COLOR", **values):
+    """A material of the node Principled Hair, of rough cylinders."""
+    return material(name, "ShaderNodeBsdfHairPrincipled", model="HUANG", parametrization=parametrization, **values)
+
+
+@scene
+def rough_hair():
+    """Hair as rough cylinders, by colour and by melanin."""
+    floor()
+    tuft((-1.1, 0, 0), rough_paint("by color", Color=(0.7, 0.3, 0.1)), seed=1)
+    tuft((1.1, 0, 0), rough_paint("brown", "MELANIN", Melanin=0.6, Melanin_Redness=0.3, Roughness=0.15, Offset=0.1, IOR=1.4, Aspect_Ratio=0.6), seed=2)
+    background(0.8)
+    bpy.context.scene["means only"] = True
+    lit()
+
+
+@scene
+def rough_hair_alone():
+    """Without a floor, whose light hides errors of the hair."""
+    paint = rough_paint("red", "ABSORPTION", Absorption_Coefficient=(0.2, 0.5, 1.0), Roughness=0.3, Reflection=0.7, Secondary_Reflection=0.5)
+    tuft((0, 0, 0), paint, count=700, radius=0.02)
+    camera((0, -5, 1.8), (0, 0, 0.6), 60)
+    light("AREA", (2, -4, 5), 500, size=3)
+    light("AREA", (-2, 5, 3), 300, size=2)
+    bpy.context.scene.render.film_transparent = True
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def flat_hair():
+    """Sections whose major axis follows normals that are set: light passes beside narrow ones."""
+    found = tuft((0, 0, 0), rough_paint("flat", Color=(0.6, 0.4, 0.3), Aspect_Ratio=0.4, Roughness=0.2), count=100, radius=0.05)
+    data = found.data
+    data.attributes.new("normal_mode", "INT8", "CURVE").data.foreach_set("value", np.full(100, 2, np.int32))
+    turns = np.repeat(np.random.default_rng(5).uniform(0, math.pi, 100), 8)
+    normals = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1).astype(np.float32)
+    data.attributes.new("custom_normal", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", normals.ravel())
+    bpy.context.scene["means only"] = True
+    camera((0, -5, 1.8), (0, 0, 0.6), 60)
+    light("AREA", (2, -4, 5), 500, size=3)
+    background(0.3)
+
+
 @scene
 def thick_hair():
     floor()

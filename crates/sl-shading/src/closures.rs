@@ -37,6 +37,7 @@ pub(crate) enum Known {
     GlossyToon,
     HairReflection,
     HairTransmission,
+    RoughHair,
     /// What lies behind the surface.
     AnisotropicVdf,
     MediumVdf,
@@ -47,7 +48,7 @@ pub(crate) enum Known {
 }
 
 /// The counterparts of [`standard_closures`], by name.
-const KNOWN: [(Known, &str); 33] = [
+const KNOWN: [(Known, &str); 34] = [
     (Known::Emission, "emission"),
     (Known::Emission, "background"),
     (Known::Radiance, "radiance"),
@@ -77,6 +78,7 @@ const KNOWN: [(Known, &str); 33] = [
     (Known::GlossyToon, "glossy_toon"),
     (Known::HairReflection, "hair_reflection"),
     (Known::HairTransmission, "hair_transmission"),
+    (Known::RoughHair, "huang_hair_bsdf"),
     (Known::UniformEdf, "uniform_edf"),
     (Known::AnisotropicVdf, "anisotropic_vdf"),
     (Known::MediumVdf, "medium_vdf"),

@@ -7,7 +7,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use gnurt_shading::bsdf::{BetweenFacets, Film, Lobe};
 use gnurt_shading::{ColorMap, Interior};
 use gnurt_sl::exec::{Cells, Part, WELL_KNOWN};
@@ -54,6 +54,10 @@ impl<'a> Params<'a> {
 
     /// Whether all parameters of the lobe, except its normal, are the same for all points.
     pub(crate) fn are_one(shape: &Shape, part: &Part<'_>) -> bool {
+        if shape.known == Known::RoughHair {
+            // Its section lies by the normal.
+            return false;
+        }
         let one = |slot: usize| {
             let mut numbers = shape.firsts[slot]..shape.firsts[slot + 1];
             numbers.all(|i| matches!(part.cells(i), Cells::One(_)))
@@ -180,7 +184,7 @@ fn microfacets(slopes: Slopes, f0: Vec3, f90: Vec3) -> Lobe {
 
 /// The lobes of a closure, at most three, each around the point's normal; `front` = the ray came from the side
 /// of the mesh's normal.
-pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
+pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 4] {
     let one = match p.shape.known {
         Known::Diffuse => Lobe::lambert(Vec3::ONE),
         Known::OrenNayar => Lobe::oren_nayar_once(Vec3::ONE, p.float(1).clamp(0.0, 1.0)),
@@ -227,6 +231,7 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
         }
         Known::Schlick => return schlick(p, front),
         Known::Hair => return hair(p),
+        Known::RoughHair => return rough_hair(p),
         Known::Toon | Known::GlossyToon => {
             // Shares of a right angle.
             let [size, border] = [p.float(1), p.float(2)].map(|share| FRAC_PI_2 * share.clamp(0.0, 1.0));
@@ -236,9 +241,9 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 3] {
             let through = p.shape.known == Known::HairTransmission;
             Lobe::strand(through, p.vec3(3), [p.float(1), p.float(2)], p.float(4))
         }
-        _ => return [None; 3],
+        _ => return [None; 4],
     };
-    [Some(one), None, None]
+    [Some(one), None, None, None]
 }
 
 /// The medium of a volume closure.
@@ -258,14 +263,29 @@ pub(crate) fn interior(p: &Params) -> Interior {
 }
 
 /// A hair: a lobe for each of its terms. Scales of the distribution around it are those before the factor of \[CBTB16\].
-fn hair(p: &Params) -> [Option<Lobe>; 3] {
+fn hair(p: &Params) -> [Option<Lobe>; 4] {
     let absorption = p.color(13).max(Vec3::ZERO);
     let (index, tilt) = (p.float(5).max(1.0), p.float(12));
-    [0, 1, 2].map(|term| {
+    let [first, second, third] = [0, 1, 2].map(|term| {
         let scale = (std::f32::consts::PI / 8.0).sqrt() * p.float(9 + term);
         let widths = [p.float(6 + term), scale];
         let mut lobe = Lobe::hair(term as u32, p.vec3(1), absorption, widths, [index, tilt]);
         lobe.weight = p.share(2 + term);
+        Some(lobe)
+    });
+    [first, second, third, None]
+}
+
+/// A hair as a rough cylinder: a lobe for each of its terms.
+fn rough_hair(p: &Params) -> [Option<Lobe>; 4] {
+    let absorption = p.color(12).max(Vec3::ZERO);
+    let numbers = [p.float(8), p.float(7), p.float(10), p.float(9)];
+    let (normal, tangent) = (p.vec3(0).normalize_or_zero(), p.vec3(1).normalize_or_zero());
+    let major = p.vec3(2);
+    let major = Vec2::new(major.dot(normal.cross(tangent)), major.dot(normal));
+    [0, 1, 2, 3].map(|term| {
+        let mut lobe = Lobe::rough_fibre(term as u32, tangent, absorption, numbers, major, p.float(11));
+        lobe.weight = p.share(3 + term);
         Some(lobe)
     })
 }
@@ -296,12 +316,12 @@ fn microfacet(p: &Params) -> Lobe {
 
 /// Microfacets under Schlick's reflectances; with transmission, a lobe for each of reflection and
 /// transmission.
-fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 3] {
+fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 4] {
     let (slopes, [f0, f90], power, tint) = (p.slopes(), [p.share(6), p.share(7)], p.float(8), p.share(2));
     let through = p.share(3);
     if through == Vec3::ZERO {
         let lobe = microfacets(slopes, f0, f90).risen(power).filmed(p.film());
-        return [Some(tinted(lobe.between_facets(p.between_facets()), tint)), None, None];
+        return [Some(tinted(lobe.between_facets(p.between_facets()), tint)), None, None, None];
     }
     let root = (f0.element_sum() / 3.0).min(0.99).sqrt();
     let index = (1.0 + root) / (1.0 - root);
@@ -311,7 +331,7 @@ fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 3] {
         lobe.weight = weight;
         lobe.filmed(p.film())
     };
-    [Some(part(tint, false)), Some(part(through, true)), None]
+    [Some(part(tint, false)), Some(part(through, true)), None, None]
 }
 
 /// A lobe times a tint. Without a film that is in its reflectances, where layers find it.

@@ -248,6 +248,11 @@ closure color diffuse_toon(normal N, float size, float smooth) LIB;
 closure color glossy_toon(normal N, float size, float smooth) LIB;
 closure color hair_reflection(normal N, float roughnessu, float roughnessv, vector T, float offset) LIB;
 closure color hair_transmission(normal N, float roughnessu, float roughnessv, vector T, float offset) LIB;
+// Hair as a rough cylinder along curve_direction whose section has its major axis along major_axis, or across the view if that is 0.
+// random, in [0, 1), draws the way of light within; it should be another number at each point.
+closure color huang_hair_bsdf(normal N, vector curve_direction, vector major_axis, color tint_R, color tint_TT, color tint_TRT,
+                              color tint_rest, float ior, float roughness, float aspect_ratio, float cuticle_angle, float random,
+                              color absorption_coefficient) LIB;
 #endif
 
 #ifndef NO_MATERIALX_CLOSURES

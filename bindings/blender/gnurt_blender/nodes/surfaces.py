@@ -197,16 +197,17 @@ def toon(p):
 @node("BSDF_HAIR_PRINCIPLED")
 def principled_hair(p):
     p.need("hair")
-    if p.node.model != "CHIANG":
-        p.warn("hair of elliptic fibres is shown as of round ones")
-    if not p.is_constant("Coat", 0.0):
+    is_rough = p.node.model != "CHIANG"
+    if not is_rough and not p.is_constant("Coat", 0.0):
         p.warn("the coat narrows the first reflection only")
     random = p.f("Random") if p.is_linked("Random") else p.code.attribute("float", "hair:Random")
 
     def varied(value, share):
         return value if p.is_constant(share, 0.0) else f"b_hair_varied({value}, {p.f(share)}, {random})"
 
-    along, around = (p.var("float", varied(p.f(name), "Random Roughness")) for name in ("Roughness", "Radial Roughness"))
+    along = p.var("float", varied(p.f("Roughness"), "Random Roughness"))
+    # Colours of rough cylinders are those of this roughness around them.
+    around = along if is_rough else p.var("float", varied(p.f("Radial Roughness"), "Random Roughness"))
     if p.parametrization == "ABSORPTION":
         absorption = f"max(color({p.v('Absorption Coefficient')}), color(0))"
     elif p.parametrization == "MELANIN":
@@ -214,6 +215,12 @@ def principled_hair(p):
         absorption = f"b_hair_of_melanin({melanin}, {p.f('Melanin Redness')}) + b_hair_of_color({p.c('Tint')}, {around})"
     else:
         absorption = f"b_hair_of_color({p.c('Color')}, {around})"
+    if is_rough:
+        # Normals of curves; hair of particles has none. Cycles' pictures show that it does not turn them with the object.
+        across = p.code.attribute("vector", "hair:Normal")
+        factors = ", ".join(f"clamp({p.f(name)}, 0.0, 1.0)" for name in ("R lobe", "TT lobe", "TRT lobe"))
+        numbers = f"{along}, {p.f('Aspect Ratio')}, {p.f('IOR')}, {p.f('Offset')}"
+        return {"BSDF": ("closure color", f"b_rough_hair(N, -I, normalize(dPdu), {across}, {absorption}, {numbers}, {factors})")}
     body = f"b_hair(N, normalize(dPdu), {absorption}, {along}, {around}, {p.f('Coat')}, {p.f('IOR')}, {p.f('Offset')})"
     return {"BSDF": ("closure color", body)}
 

@@ -4,11 +4,11 @@
 //! Numbers that do not depend on directions are computed when a lobe is made, so that they can be stored.
 //! Tests: `tests`.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::diffuse_once::Model;
 use super::film::{self, Base, Film};
-use super::{conductor, fresnel, phong, rough_dielectric};
+use super::{conductor, fresnel, ggx, phong, rough_dielectric};
 
 /// The kind of a lobe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,11 +55,13 @@ pub enum Kind {
     GlossyToon,
     /// Light that a strand reflects or lets through, by angles along and around it.
     Strand,
+    /// Light that a rough cylinder reflects, lets through or lets out later.
+    RoughFibre,
 }
 
 impl Kind {
     /// In the order of their numbers.
-    pub(super) const ALL: [Self; 20] = [
+    pub(super) const ALL: [Self; 21] = [
         Self::None,
         Self::Diffuse,
         Self::Microfacets,
@@ -80,6 +82,7 @@ impl Kind {
         Self::Toon,
         Self::GlossyToon,
         Self::Strand,
+        Self::RoughFibre,
     ];
 
     /// Its bit in a set of kinds.
@@ -114,7 +117,12 @@ impl Kind {
         is_glass
             || matches!(
                 self,
-                Self::Translucent | Self::Beckmann | Self::SchlickGlass | Self::Hair | Self::Strand
+                Self::Translucent
+                    | Self::Beckmann
+                    | Self::SchlickGlass
+                    | Self::Hair
+                    | Self::Strand
+                    | Self::RoughFibre
             )
     }
 }
@@ -365,6 +373,40 @@ impl Lobe {
         let c = Vec3::new(f32::from(u8::from(through)), offset, 0.0);
         let [alpha, across] = [along, around].map(|width| width.clamp(1e-3, 100.0));
         Self { c, alpha, across, tangent, ..Self::of(Kind::Strand) }
+    }
+
+    /// One of the terms of a hair along `tangent`, a unit vector to its tip, as a rough cylinder. All together are the hair:
+    ///
+    /// * 0: light that its surface reflects; 1: light that it lets through.
+    /// * 2: light that leaves after a reflection within; 3: after further ones.
+    ///
+    /// `absorption` is for half of the major axis of its section. `alpha` is the width of the microfacets' slopes, `index` is over that
+    /// around it. `tilt` is the angle in radians by which normals of its scales lean to the tip. `aspect` in (0, 1] is the minor
+    /// axis over the major one. `major` is the direction of the major axis by its parts along the normal x tangent and along the
+    /// normal; zero: across the view. `random`, in [0, 1), draws the way of light within. It should be another number at each point.
+    #[must_use]
+    pub fn rough_fibre(
+        term: u32,
+        tangent: Vec3,
+        absorption: Vec3,
+        [alpha, index, tilt, aspect]: [f32; 4],
+        major: Vec2,
+        random: f32,
+    ) -> Self {
+        let major = major.normalize_or_zero().extend(aspect.clamp(0.01, 1.0));
+        let numbers = Vec3::new(term.min(3) as f32, tilt, random);
+        let eta = 1.0 / index.max(1.0 + 1e-3);
+        let alpha = alpha.clamp(ggx::SMALLEST_ALPHA, 1.0);
+        Self {
+            a: absorption,
+            b: major,
+            c: numbers,
+            alpha,
+            across: alpha,
+            eta,
+            tangent,
+            ..Self::of(Kind::RoughFibre)
+        }
     }
 
     /// Upright fibres of a colour; `roughness` is glTF's, in [0, 1].

@@ -50,6 +50,9 @@ mod prepared_sum;
 mod prepared_values;
 mod principled;
 mod rough_dielectric;
+mod rough_fibre;
+#[cfg(test)]
+mod rough_fibre_tests;
 mod sample;
 mod scalar_lobes;
 mod sheen;

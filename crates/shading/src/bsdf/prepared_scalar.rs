@@ -23,6 +23,7 @@ impl<R: Real> PreparedLobe<R> {
             | self.is(Kind::Toon)
             | self.is(Kind::GlossyToon)
             | self.is(Kind::Strand)
+            | self.is(Kind::RoughFibre)
     }
 
     /// That of point `i`, seen from `wo` in the frame of its slopes.

@@ -13,6 +13,7 @@ use super::ggx::Ggx;
 use super::hair::Hair;
 use super::lobe::Kind;
 use super::rough_dielectric::{Glass, Microfacets, Mirrored, PreparedGlass};
+use super::rough_fibre::RoughFibre;
 use super::strand::Strand;
 use super::toon::{self, Toon};
 use super::{fibres, fresnel, phong, ward};
@@ -27,7 +28,8 @@ pub(super) const KINDS: u32 = Kind::Phong.bit()
     | Kind::Hair.bit()
     | Kind::Toon.bit()
     | Kind::GlossyToon.bit()
-    | Kind::Strand.bit();
+    | Kind::Strand.bit()
+    | Kind::RoughFibre.bit();
 
 /// A lobe at a point, with the numbers of [`Lobe`](super::Lobe).
 #[derive(Clone, Copy, Debug)]
@@ -110,6 +112,19 @@ impl ScalarLobe {
         Strand { through: self.c.x > 0.0, widths: self.widths, offset: self.c.y }
     }
 
+    fn rough_fibre(&self) -> RoughFibre {
+        RoughFibre {
+            term: self.c.x as usize,
+            absorption: self.a,
+            alpha: self.widths[0],
+            index: 1.0 / self.eta,
+            tilt: self.c.y,
+            aspect: self.b.z,
+            major: self.b.truncate(),
+            random: self.c.z,
+        }
+    }
+
     /// A cone, and its axis.
     fn toon(&self) -> (Toon, Vec3) {
         (Toon::new(self.c.x, self.c.y), toon::axis(self.kind == Kind::GlossyToon, self.wo))
@@ -165,6 +180,7 @@ impl ScalarLobe {
             Kind::Fibres => dim(fibres::albedo(self.widths[0], wo.z)),
             Kind::Hair => View { albedo: self.hair().albedo(wo), ..View::default() },
             Kind::Strand => dim(1.0),
+            Kind::RoughFibre => View { albedo: self.rough_fibre().albedo(wo), ..View::default() },
             Kind::Toon | Kind::GlossyToon => {
                 let (toon, axis) = self.toon();
                 dim(toon.albedo(axis.z))
@@ -218,6 +234,7 @@ impl ScalarLobe {
                 Kind::Fibres => dim(fibres::eval_pdf(self.widths[0], self.wo, wi)),
                 Kind::Hair => self.hair().eval_pdf(self.wo, wi),
                 Kind::Strand => dim(self.strand().eval_pdf(self.wo, wi)),
+                Kind::RoughFibre => self.rough_fibre().eval_pdf(self.wo, wi),
                 Kind::Toon | Kind::GlossyToon => {
                     let (toon, axis) = self.toon();
                     dim(toon.eval_pdf(axis, wi))
@@ -241,6 +258,7 @@ impl ScalarLobe {
                 Kind::Fibres => fibres::sample(self.widths[0], self.wo, cosine),
                 Kind::Hair => self.hair().sample(self.wo, u),
                 Kind::Strand => self.strand().sample(self.wo, [u[1], u[2]]),
+                Kind::RoughFibre => self.rough_fibre().sample(self.wo, u),
                 Kind::Toon | Kind::GlossyToon => {
                     let (toon, axis) = self.toon();
                     above(toon.sample(axis, [u[1], u[2]]))

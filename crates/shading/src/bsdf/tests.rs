@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::*;
 use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
@@ -74,6 +74,9 @@ fn rare_models() -> Vec<(&'static str, Lobes)> {
         let part = |through| Lobe::schlick_glass(alpha, eta, reflectances, power, through);
         Lobes::from(part(false).brushed(slant, 0.2)).plus(part(true).brushed(slant, 0.2))
     };
+    let fibre = |term, alpha| {
+        Lobe::rough_fibre(term, Vec3::Y, Vec3::ZERO, [alpha, 1.55, 0.05, 0.7], Vec2::new(0.8, 0.6), 0.3)
+    };
     vec![
         ("brushed conductor", Lobe::microfacets(0.6, white, white).brushed(slant, 0.1).into()),
         ("brushed across", Lobe::microfacets(0.2, white, white).brushed(slant, 0.7).into()),
@@ -105,6 +108,9 @@ fn rare_models() -> Vec<(&'static str, Lobes)> {
         ("schlick in", schlick(0.3, 0.66, [Vec3::splat(0.04), white], 5.0)),
         ("schlick out", schlick(0.3, 1.5, [Vec3::new(0.1, 0.02, 0.0), white], 3.0)),
         ("schlick of much out", schlick(0.5, 5.0, [Vec3::splat(0.45), Vec3::new(1.0, 0.5, 0.8)], 5.0)),
+        ("dark fibre that reflects", fibre(0, 0.3).into()),
+        ("dark fibre that is clear", fibre(1, 0.4).into()),
+        ("dark fibre that shines from within", fibre(2, 0.6).into()),
         ("translucent", Lobe::translucent(white).into()),
         ("translucent plastic", Principled { translucence: 0.6, ..plain }.into()),
         (
@@ -373,7 +379,7 @@ fn reflectances_rise_by_their_power() {
 #[test]
 fn light_may_go_both_ways() {
     // Models of fibres and of scaled microfacets have their own numbers for each view.
-    let one_way = |name: &str| name == "dark fibres" || name.contains("scaled");
+    let one_way = |name: &str| name.starts_with("dark fibre") || name.contains("scaled");
     for (name, model) in models().into_iter().filter(|(name, _)| !one_way(name)) {
         let bsdf = around_z(model.clone());
         let behind = around_z(turned_over(&model));

@@ -83,6 +83,13 @@ fn each_closure_has_its_lobe() {
         assert!(fine, "{closure} scatters some of the light, and no more: {albedo}");
         assert_eq!((found.emission, found.coverage), (Vec3::ZERO, 1.0), "{closure} does nothing else");
     }
+    let hair = point(
+        "Ci = huang_hair_bsdf (N, dPdu, vector (0), color (1), color (0.5), color (1), color (1), 1.55, 0.3, 0.8, 0.03, 0.5, color (0));",
+    );
+    let kinds: Vec<Kind> = hair.bsdf.lobes().as_slice().iter().map(|lobe| lobe.kind).collect();
+    assert_eq!(kinds, [Kind::RoughFibre; 4], "a lobe for each term");
+    let albedo = hair.bsdf.albedo(toward());
+    assert!(albedo.max_element() <= 1.001 && albedo.min_element() > 0.3, "hair scatters light: {albedo}");
     for closure in ["translucent (N)", "translucent_bsdf (N, color (0.5))"] {
         let found = point(&format!("Ci = {closure};"));
         let albedo = found.bsdf.albedo(toward());

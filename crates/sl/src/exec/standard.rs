@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 /// a thin film's thickness (nanometres) and index, and the fate of light between microfacets. `+` whether
 /// multiple scattering between microfacets is added. `?` the name of the model. `|` a film and whether both
 /// sides of a pane are one surface.
-const TABLE: [(&str, &str); 33] = [
+const TABLE: [(&str, &str); 34] = [
     ("emission", ""),
     ("background", ""),
     ("radiance", ""),
@@ -40,6 +40,7 @@ const TABLE: [(&str, &str); 33] = [
     ("glossy_toon", "VFF"),
     ("hair_reflection", "VFFVF"),
     ("hair_transmission", "VFFVF"),
+    ("huang_hair_bsdf", "VVVCCCCFFFFFC"),
     ("uniform_edf", "C"),
     ("anisotropic_vdf", "CCF"),
     ("medium_vdf", "CFCFFI"),

@@ -40,3 +40,27 @@ closure color b_hair(vector n, vector along, color absorption, float roughness, 
     float v = b_hair_along(roughness), s = b_hair_around(around);
     return chiang_hair_bsdf(n, along, color(1), color(1), color(1), max(ior, 1.0), first, 0.25 * v, 4.0 * v, s, s, s, -tilt, absorption);
 }
+// Fibres after Huang et al. (A Microfacet-based Hair Scattering Model, 2022), by numbers of Cycles' pictures: slopes as wide as the roughness,
+// light beyond the seen width of the section goes through. `across` is the direction of the section's major axis; 0: across the view.
+closure color b_rough_hair(vector n, vector view, vector along, vector across, color absorption, float roughness, float aspect, float ior,
+    float tilt, float first, float second, float third)
+{
+    float round = clamp(aspect, 0.01, 1.0), rough = clamp(roughness, 0.001, 1.0);
+    // Light of further reflections, which the model leaves out: Cycles' pictures show it in white fibres only.
+    float rest = absorption == color(0) && max(max(first, second), third) > 0;
+    vector major = across - dot(across, along) * along, shown = n;
+    float inside = 1;
+    if (dot(major, major) > 0) {
+        major = normalize(major);
+        // The offset from the middle, over half of the width that is seen.
+        vector back = normalize(view - dot(view, along) * along);
+        vector side = cross(back, along);
+        float a = dot(side, major), b = dot(side, cross(along, major));
+        float offset = dot(n, side) / sqrt(a * a + round * round * b * b);
+        inside = fabs(offset) < 1.0;
+        offset = clamp(offset, -1.0, 1.0);
+        shown = offset * side + sqrt(1.0 - offset * offset) * back;
+    }
+    return inside * huang_hair_bsdf(shown, along, major, color(first), color(second), color(third), color(rest), max(ior, 1.001), rough,
+        round, -tilt, float(hashnoise(P)), absorption) + (1.0 - inside) * transparent();
+}
