@@ -12,6 +12,7 @@ import bpy
 import gnurt
 import numpy as np
 
+from . import fluids
 from .baking import Box
 from .nodes.media import Part, Reader
 from .nodes.tree import source
@@ -89,6 +90,12 @@ def joined(weighted, warn):
 def of_body(export, code, tree, output, found, matrix):
     """The number of the medium within an object's mesh, or None."""
     if not is_fed(tree, output.inputs["Volume"]):
+        return None
+    domain = fluids.domain_of(found) if found is not None else None
+    if domain is not None:
+        # The grids are where this object is.
+        code.uses_object = True
+        put_gas(export, code, tree, output, found, matrix, domain)
         return None
     box = Box(code.host.mesh, matrix) if isinstance(code.host.mesh, bpy.types.Mesh) and len(code.host.mesh.vertices) else None
     bake = box and (lambda place, identifier: box.sampled(code.host, place, identifier))
@@ -209,9 +216,26 @@ def put_object(export, code, tree, output, found, matrix):
     scale = 1.0
     if found.data.render.space == "OBJECT":
         scale = 1.0 / max(np.linalg.norm(matrix[:3, :3] @ np.ones(3)) / 3**0.5, 1e-12)
+    put_cells(export, cells, parts, found, matrix, scale, found.data.render.clipping)
+
+
+def put_gas(export, code, tree, output, found, matrix, domain):
+    """Adds the media of simulated gas, whose mesh shows where it is."""
+    corners = np.array(found.bound_box)
+    grids = fluids.grids_of(domain, (corners.min(axis=0), corners.max(axis=0)), export.warn)
+    if grids:
+        cells = Cells(grids, "density" if "density" in grids else next(iter(grids)))
+        parts = Reader(code, cells).parts(tree, output.inputs["Volume"])
+        if cells.used and parts:
+            put_cells(export, cells, parts, found, matrix, 1.0, domain.clipping)
+
+
+def put_cells(export, cells, parts, found, matrix, scale, clipping):
+    """Adds media of parts on the cells of grids: one for each phase function, and one that shines."""
+    if "velocity" in cells.grids and export.scene_data.render.use_motion_blur:
+        export.warn(f"object '{found.name}': the motion of its grids is not blurred")
     place = matrix @ cells.matrix()
     # Even parts fill the cells that are there.
-    clipping = found.data.render.clipping
     there = np.any([np.abs(cells(name)).reshape(*cells.shape, -1).max(axis=-1) > clipping for name in cells.used], axis=0)
     by_lobes, light = {}, np.zeros((*cells.shape, 3))
     for part in parts:
