@@ -34,7 +34,12 @@ def movie_pixels(image, number, warn):
     the picture of its own user when it is evaluated.
     """
     movie = image.original
-    texture = bpy.data.textures.new("frame", "IMAGE")
+    try:
+        texture = bpy.data.textures.new("frame", "IMAGE")
+    except (AttributeError, RuntimeError):
+        # Blender may forbid new data at this moment.
+        warn(f"image '{image.name}': its movie shows one picture")
+        return pixels(movie, warn)
     try:
         texture.image = movie
         user = texture.image_user

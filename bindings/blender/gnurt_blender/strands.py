@@ -8,7 +8,7 @@ from itertools import chain
 
 import numpy as np
 
-from . import hashes
+from . import hashes, meshes
 
 class Strands:
     """Strands that go through all of their points: vertices (n, 3), radii (n,), and how many vertices each strand has.
@@ -25,8 +25,8 @@ class Strands:
             rows = np.repeat(kept, counts)
             points, radii, counts = points[rows], radii[rows], counts[kept]
         self.points, self.thickness, self.lengths = points, radii, counts
-        # Normals of the curves, (m, 3).
-        self.normals = None if normals is None else normals[rows] if not kept.all() else normals
+        # What reads normals of the points given, (m, 3), and which of them are used.
+        self.normals, self.used = normals, slice(None) if kept.all() else rows
         # How often each point is there.
         self.times = np.ones(len(points), np.int64)
         ends = np.cumsum(counts)
@@ -67,7 +67,7 @@ class Strands:
         if name == "Random":
             return self._of_strands(hashes.of_number(np.arange(len(self.lengths), dtype=np.uint64)))
         if name == "Normal" and self.normals is not None:
-            return np.repeat(self.normals, self.times, axis=0)
+            return np.repeat(self.normals()[self.used], self.times, axis=0)
         return None
 
 
@@ -94,15 +94,12 @@ def of_curves(curves):
     found = curves.attributes.get("radius")
     if found is not None:
         found.data.foreach_get("value", radii)
-    normals = np.empty(len(positions) * 3, np.float32)
-    curves.normals.foreach_get("vector", normals)
-    normals = normals.reshape(-1, 3)
     if not len(curves.curves):
         return Strands(positions, radii, [])
     # Where each curve begins, and where the last one ends.
     offsets = np.empty(len(curves.curve_offset_data), np.int32)
     curves.curve_offset_data.foreach_get("value", offsets)
-    return Strands(positions, radii, np.diff(offsets), normals)
+    return Strands(positions, radii, np.diff(offsets), lambda: meshes.flat(curves.normals, "vector", np.float32, 3))
 
 
 def of_particles(evaluated, system, matrix):
