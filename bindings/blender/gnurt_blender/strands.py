@@ -10,6 +10,7 @@ import numpy as np
 
 from . import hashes, meshes
 
+
 class Strands:
     """Strands that go through all of their points: vertices (n, 3), radii (n,), and how many vertices each strand has.
 

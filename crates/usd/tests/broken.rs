@@ -68,23 +68,26 @@ fn binary() -> Vec<u8> {
     std::fs::read(folder.path("a.usdc")).expect("the file")
 }
 
+/// Files of the library's writer, and of OpenUSD with long arrays.
 #[test]
 fn binaries_that_are_cut_or_changed() {
-    let good = binary();
-    assert_eq!(fault("good.usdc", &good), None, "it is good as it is");
-    for cut in [8, 16, 24, 80, good.len() / 2, good.len() - 1] {
-        assert!(fault("cut.usdc", &good[..cut]).is_some(), "{cut} of {} bytes", good.len());
-    }
-    // A deterministic walk over bytes: whatever becomes of the file, it ends, and takes no more memory than it may.
-    let mut state = 12345_u64;
-    for _ in 0..300 {
-        let mut bad = good.clone();
-        for _ in 0..3 {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let at = (state >> 33) as usize % bad.len();
-            bad[at] = (state >> 20) as u8;
+    let with_arrays = include_bytes!("data/shared-arrays.usdc").to_vec();
+    for good in [binary(), with_arrays] {
+        assert_eq!(fault("good.usdc", &good), None, "it is good as it is");
+        for cut in [8, 16, 24, 80, good.len() / 2, good.len() - 1] {
+            assert!(fault("cut.usdc", &good[..cut]).is_some(), "{cut} of {} bytes", good.len());
         }
-        fault("bad.usdc", &bad);
+        // A deterministic walk over bytes: whatever becomes of the file, it ends, and takes no more memory than it may.
+        let mut state = 12345_u64;
+        for _ in 0..300 {
+            let mut bad = good.clone();
+            for _ in 0..3 {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                let at = (state >> 33) as usize % bad.len();
+                bad[at] = (state >> 20) as u8;
+            }
+            fault("bad.usdc", &bad);
+        }
     }
 }
 
