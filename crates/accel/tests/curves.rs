@@ -296,6 +296,37 @@ fn ribbons_that_face_rays_equal_samples() {
     }
 }
 
+/// Rays through the joints of curves, and through their middle lines: no one of them is missed.
+#[test]
+fn wide_strands_have_no_gaps() {
+    let vertices: Vec<[f32; 4]> = (0..7).map(|i| [3.0 * i as f32 - 9.0, 0.0, 0.0, 1.0]).collect();
+    for basis in [CurveBasis::Linear, CurveBasis::Bezier, CurveBasis::BSpline, CurveBasis::CatmullRom] {
+        let indices: Vec<u32> = match basis {
+            CurveBasis::Linear => (0..6).collect(),
+            CurveBasis::Bezier => vec![0, 3],
+            _ => (0..4).collect(),
+        };
+        for form in [CurveForm::Flat, CurveForm::Round] {
+            let curves = Curves::new(basis, form, &vertices, &indices);
+            let places = (1..96).flat_map(|i| [-0.9, -0.3, 0.0, 0.6].map(|y| [0.125 * i as f32 - 6.0, y]));
+            let mut random = Random::new(7);
+            let near = places.flat_map(|[x, y]| {
+                let mut by = |size: f32| random.between(-size, size);
+                [[x, y], [x + by(0.02), y + by(0.02)], [x + by(1e-3), y], [x + by(1e-5), y + by(1e-5)]]
+            });
+            let near: Vec<[f32; 2]> = near.collect();
+            let rays: RayBatch = near.iter().map(|&[x, y]| Ray::new([x, y, 5.0], [0.0, 0.0, -1.0])).collect();
+            let hits = run_queries(&build(curves.into(), 0), &rays);
+            for (i, hit) in hits.iter().enumerate() {
+                let y = rays.get(i).org[1];
+                let depth = if form == CurveForm::Flat { 5.0 } else { 5.0 - (1.0 - y * y).sqrt() };
+                let is_there = hit.is_some_and(|hit| (hit.t - depth).abs() < 2e-3);
+                assert!(is_there, "{basis:?} {form:?}: {:?}, {hit:?}", rays.get(i).org);
+            }
+        }
+    }
+}
+
 /// A chain of straight curves with one radius a vertex.
 fn chain(seed: u64, n: usize) -> (Vec<[f32; 4]>, Vec<u32>) {
     let mut random = Random::new(seed);

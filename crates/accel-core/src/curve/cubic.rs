@@ -65,6 +65,13 @@ impl Cubic {
         [0, 1, 2, 3].map(|k| 2.0 * c[k] + 6.0 * t * d[k])
     }
 
+    /// A radius that no point has more than: the greatest of Bezier's control points.
+    #[inline(always)]
+    pub(super) fn greatest_radius(&self) -> f64 {
+        let [a, b, c, d] = self.powers.map(|power| power[3]);
+        a.max(a + b / 3.0).max(a + (2.0 * b + c) / 3.0).max(a + b + c + d)
+    }
+
     /// Relative to `origin`, with its vectors mapped.
     #[inline(always)]
     pub(super) fn mapped(&self, vector: impl Fn([f64; 3]) -> [f64; 3], origin: [f64; 3]) -> Self {
@@ -105,6 +112,7 @@ mod tests {
         let cubic = Cubic::new(control);
         let near = |a: [f64; 4], b: [f64; 4]| (0..4).all(|k| (a[k] - b[k]).abs() < 1e-12);
         assert!(near(cubic.at(0.0), control[0]) && near(cubic.at(1.0), control[3]), "it joins its ends");
+        assert!((cubic.greatest_radius() - 1.0).abs() < 1e-12, "that of the third control point");
         let part = Cubic::new(cubic.part(0.25, 0.75));
         for i in 0..=8 {
             let t = f64::from(i) / 8.0;

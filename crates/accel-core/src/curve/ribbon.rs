@@ -71,23 +71,25 @@ impl Near {
 /// rest of the way cannot lead into the radius. As [`refined`], but only as fine as floats are.
 #[inline(always)]
 fn nearest(seen: &Cubic, a: Near, b: Near) -> Option<Near> {
-    let speed = |near: &Near| near.slope[0] * near.slope[0] + near.slope[1] * near.slope[1];
-    // Between the ends it is at most half as fast again: so many brackets there are.
-    let fastest = 2.0 * speed(&a).max(speed(&b)).sqrt();
+    let length = |[x, y, ..]: [f64; 4]| (x * x + y * y).sqrt();
+    // The bend is linear, so that it is greatest at an end.
+    let bend = length(seen.bend(a.u)).max(length(seen.bend(b.u)));
+    let fastest = length(a.slope).max(length(b.slope)) + 0.5 * bend * (b.u - a.u).abs();
+    let widest = seen.greatest_radius();
     let (mut a, mut at_a, mut b) = (a.u, a.off, b);
-    let mut moved = (b.u - a).abs();
     for _ in 0..60 {
         let c = b.u - b.off * (b.u - a) / (b.off - at_a);
         // The secant of two nearly equal values may lead anywhere.
         let c = if c > a.min(b.u) && c < a.max(b.u) { c } else { 0.5 * (a + b.u) };
         let c = Near::at(seen, c);
-        let [x, y, _, radius] = c.point;
-        // A step is shorter than the one before it.
-        let reach = radius + fastest * moved;
+        let [x, y, ..] = c.point;
+        // The root is on that side.
+        let rest = if (c.off >= 0.0) != (b.off >= 0.0) { c.u - b.u } else { c.u - a };
+        let reach = widest + fastest * rest.abs();
         if x * x + y * y > reach * reach {
             return None;
         }
-        moved = (c.u - b.u).abs();
+        let moved = (c.u - b.u).abs();
         if c.off == 0.0 || moved < 1e-7 || (b.u - a).abs() < 1e-9 {
             return Some(c);
         }
