@@ -265,6 +265,20 @@ def tiles():
     image.pack()
 
 
+def cubes_with_films(image):
+    """Two cubes at frame 8, with frames of a film that repeats and of one that stops at its end; `image` loads it."""
+    floor()
+    for x, cyclic in ((-1.3, True), (1.3, False)):
+        made = material("film", "ShaderNodeBsdfDiffuse")
+        node = linked(made, "ShaderNodeTexImage", "Color", image=image())
+        user = node.image_user
+        user.frame_duration, user.frame_start, user.frame_offset, user.use_cyclic = 4, 2, 1, cyclic
+        user.use_auto_refresh = True
+        shape("cube", (x, 0, 0.8), made, size=1.6)
+    lit()
+    bpy.context.scene.frame_set(8)
+
+
 @scene
 def sequence():
     """Frames of a sequence, one that repeats and one that stops at its end."""
@@ -272,18 +286,13 @@ def sequence():
 
     folder = tempfile.mkdtemp()
     saved(folder, *(f"film{number:03}.png" for number in range(1, 7)))
-    floor()
-    for x, cyclic in ((-1.3, True), (1.3, False)):
-        image = bpy.data.images.load(f"{folder}/film001.png", check_existing=False)
-        image.source = "SEQUENCE"
-        made = material("film", "ShaderNodeBsdfDiffuse")
-        node = linked(made, "ShaderNodeTexImage", "Color", image=image)
-        user = node.image_user
-        user.frame_duration, user.frame_start, user.frame_offset, user.use_cyclic = 4, 2, 1, cyclic
-        user.use_auto_refresh = True
-        shape("cube", (x, 0, 0.8), made, size=1.6)
-    lit()
-    bpy.context.scene.frame_set(8)
+
+    def image():
+        loaded = bpy.data.images.load(f"{folder}/film001.png", check_existing=False)
+        loaded.source = "SEQUENCE"
+        return loaded
+
+    cubes_with_films(image)
 
 
 def filmed(path, frames=6):
@@ -315,16 +324,7 @@ def movie():
 
     path = f"{tempfile.mkdtemp()}/film.mp4"
     filmed(path)
-    floor()
-    for x, cyclic in ((-1.3, True), (1.3, False)):
-        made = material("film", "ShaderNodeBsdfDiffuse")
-        node = linked(made, "ShaderNodeTexImage", "Color", image=bpy.data.images.load(path, check_existing=True))
-        user = node.image_user
-        user.frame_duration, user.frame_start, user.frame_offset, user.use_cyclic = 4, 2, 1, cyclic
-        user.use_auto_refresh = True
-        shape("cube", (x, 0, 0.8), made, size=1.6)
-    lit()
-    bpy.context.scene.frame_set(8)
+    cubes_with_films(lambda: bpy.data.images.load(path, check_existing=True))
 
 
 @scene

@@ -35,10 +35,9 @@ pub(crate) fn check(all: &[u8]) -> Result<Option<Checked>, Fault> {
     }
     let start =
         |name: &[u8]| entry(&bytes, name).and_then(|at| at.map(|at| bytes.number::<8>(at + 16)).transpose());
-    let mut lengths = Vec::new();
-    if let Some(at) = start(b"TOKENS")? {
-        lengths = token_lengths(&bytes, at)?;
-    }
+    let tokens = tokens(&bytes)?;
+    let mut lengths: Vec<u32> = tokens.split(|&byte| byte == 0).map(|token| token.len() as u32).collect();
+    lengths.pop();
     if let Some(at) = start(b"STRINGS")? {
         bytes.count(at, 4)?;
     }
@@ -54,18 +53,10 @@ pub(crate) fn check(all: &[u8]) -> Result<Option<Checked>, Fault> {
         bytes.allow(count, 96)?;
         (0..3).try_fold(at + 8, |at, _| skip_integers(&bytes, at, count))?;
     }
-    let Some(fields) = Fields::read(&bytes)? else { return Ok(None) };
+    let Some(fields) = Fields::read(&bytes, tokens)? else { return Ok(None) };
     let mut looked = Values::new(&bytes, version);
     fields.values().try_for_each(|value| looked.check(value))?;
     Ok(Some(Checked { version, fields, nested: looked.into_nested() }))
-}
-
-/// The lengths of all tokens.
-fn token_lengths(bytes: &Bytes<'_>, at: u64) -> Result<Vec<u32>, Fault> {
-    let text = tokens(bytes, at)?;
-    let mut lengths: Vec<u32> = text.split(|&byte| byte == 0).map(|token| token.len() as u32).collect();
-    lengths.pop();
-    Ok(lengths)
 }
 
 /// That paths make a tree which is not too deep, and whose names are not too much text.

@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use crate::bytes::{Bytes, Fault, skip_integers};
-use crate::crate_parts::{entry, integers, tokens, unpack};
+use crate::crate_parts::{entry, integers, unpack};
 
 /// The bits of a place.
 pub(crate) const PAYLOAD: u64 = 0xffff_ffff_ffff;
@@ -25,13 +25,9 @@ pub(crate) struct Fields {
 }
 
 impl Fields {
-    /// The fields; `None` in a layer that has none.
-    pub(crate) fn read(bytes: &Bytes<'_>) -> Result<Option<Self>, Fault> {
+    /// The fields, whose names are among these tokens; `None` in a layer that has none.
+    pub(crate) fn read(bytes: &Bytes<'_>, tokens: Vec<u8>) -> Result<Option<Self>, Fault> {
         let Some(entry_of_fields) = entry(bytes, b"FIELDS")? else { return Ok(None) };
-        let tokens = match entry(bytes, b"TOKENS")? {
-            Some(entry) => tokens(bytes, bytes.number::<8>(entry + 16)?)?,
-            None => Vec::new(),
-        };
         let begin = bytes.number::<8>(entry_of_fields + 16)?;
         let count = bytes.number::<8>(begin)?;
         skip_integers(bytes, begin + 8, count)?;

@@ -87,8 +87,10 @@ fn steps(packed: &[u8], count: usize) -> Option<Vec<i32>> {
     Some(values)
 }
 
-/// All tokens, a zero behind each.
-pub(crate) fn tokens(bytes: &Bytes<'_>, at: u64) -> Result<Vec<u8>, Fault> {
+/// All tokens, a zero behind each; empty in a layer that has none.
+pub(crate) fn tokens(bytes: &Bytes<'_>) -> Result<Vec<u8>, Fault> {
+    let Some(entry) = entry(bytes, b"TOKENS")? else { return Ok(Vec::new()) };
+    let at = bytes.number::<8>(entry + 16)?;
     let (count, size) = (bytes.number::<8>(at)?, bytes.number::<8>(at + 8)?);
     bytes.allow(count, 48)?;
     let text = unpack(bytes, at + 16, size)?;

@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &WindowArguments, environment: &Environment, messag
     let (look, note) = look(arguments, &files[0], &first, &item);
     note.iter().for_each(|note| messages.note(note));
     let Some(path) = &arguments.output else {
-        return show(arguments, files, others, item, look, pool, messages);
+        return show(arguments, [files, others], first, item, look, pool, messages);
     };
     let output = Output::named(path)?;
     let second = others.first().map(|path| read(path)).transpose()?;
@@ -98,8 +98,8 @@ fn look(
 #[cfg(feature = "window")]
 fn show(
     arguments: &WindowArguments,
-    files: Vec<PathBuf>,
-    others: Vec<PathBuf>,
+    [files, others]: [Vec<PathBuf>; 2],
+    first: Picture,
     item: Item,
     look: DisplayOptions,
     pool: ThreadPool,
@@ -128,15 +128,15 @@ fn show(
         memory: MEMORY,
     };
     let read = Box::new(|path: &Path| read_picture(path).map_err(|error| error.to_string()));
-    run_picture_window(options, read, pool, Arc::new(super::window::Speaker { messages }))
+    run_picture_window(options, first, read, pool, Arc::new(super::window::Speaker { messages }))
         .map_err(Failure::data)
 }
 
 #[cfg(not(feature = "window"))]
 fn show(
     _: &WindowArguments,
-    _: Vec<PathBuf>,
-    _: Vec<PathBuf>,
+    _: [Vec<PathBuf>; 2],
+    _: Picture,
     _: Item,
     _: DisplayOptions,
     _: ThreadPool,

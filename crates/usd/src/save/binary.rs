@@ -9,7 +9,7 @@ use openusd::sdf::{AbstractData, FieldKey, SpecType, Value, Variability};
 
 use crate::bytes::{Bytes, Fault};
 use crate::crate_fields::{Fields, PAYLOAD};
-use crate::crate_parts::integers;
+use crate::crate_parts::{integers, tokens};
 
 /// Fields with names of children or their order.
 const CHILDREN: [&[u8]; 6] = [
@@ -49,7 +49,7 @@ pub(super) fn from_text(text: &str) -> Result<Vec<u8>, Fault> {
 fn mend(mut layer: Vec<u8>) -> Result<Vec<u8>, Fault> {
     let bytes = Bytes::new(&layer);
     let table = bytes.number::<8>(16)?;
-    let fields = Fields::read(&bytes)?.ok_or_else(|| "a section is missing".to_owned())?;
+    let fields = Fields::read(&bytes, tokens(&bytes)?)?.ok_or_else(|| "a section is missing".to_owned())?;
     let (tokens, mut values) = (fields.tokens(), fields.values.clone());
 
     let mut arrays = Vec::new();

@@ -69,27 +69,26 @@ const MESSAGES: Duration = Duration::from_secs(8);
 /// Frames that are read ahead.
 const AHEAD: usize = 256;
 
-/// Shows pictures until the user closes the window.
+/// Shows pictures until the user closes the window; `first` is that of the first file.
 ///
 /// # Errors
-/// [`ViewError::NoDisplay`] if there is no display; [`ViewError::Scene`] if the first picture cannot be read.
+/// [`ViewError::NoDisplay`] if there is no display; [`ViewError::Thread`] if no thread can be started.
 pub fn run_picture_window(
     options: PictureOptions,
+    first: Picture,
     read: ReadPicture,
     pool: ThreadPool,
     listener: Arc<dyn Listener>,
 ) -> Result<(), ViewError> {
-    let Some(path) = options.files.first().cloned() else {
-        return Err(ViewError::Scene("there is no picture".to_owned()));
-    };
-    let first = read(&path).map_err(ViewError::Scene)?;
     let size = [first.width, first.height];
     let events = EventLoop::<()>::with_user_event().build().map_err(|error| ViewError::no_display(&error))?;
     let proxy = events.create_proxy();
     // A loop that has ended needs no news.
     let notify = Box::new(move || _ = proxy.send_event(()));
     let loader = Loader::begin(read, options.memory, notify).map_err(ViewError::Thread)?;
-    loader.put(path, first);
+    if let Some(path) = options.files.first() {
+        loader.put(path.clone(), first);
+    }
     let mut controls =
         Controls::new(size, options.files.len(), options.item.clone(), options.exposure, options.fps);
     controls.comparison = options.comparison;
