@@ -14,6 +14,7 @@ mod commands;
 mod display;
 mod environment;
 mod failure;
+mod film_files;
 mod heap;
 mod messages;
 mod nearest;

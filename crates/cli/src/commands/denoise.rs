@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 
 use gnurt::denoise::film::{Film, REACH};
 use gnurt::denoise::{self, Options, Used, adopt, denoise, has_motion};
-use gnurt::image::{self, Picture};
+use gnurt::image::Picture;
 use gnurt::memory::fitting_reach;
 use gnurt::{Numbered, ThreadPool};
 
 use crate::arguments::{DenoiseArguments, DisplayOptions};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
+use crate::film_files::film_numbers;
 use crate::messages::Messages;
 use crate::output::{Output, is_same_file};
 use crate::signals::{self, FirstSignal};
@@ -97,13 +98,8 @@ fn frames(arguments: &DenoiseArguments, output: &Output) -> Result<Vec<Frame>, F
     }
     let numbers: Vec<u32> = match arguments.frames {
         Some(range) => range.numbers().collect(),
-        None => numbered
-            .numbers()
-            .map_err(|error| Failure::data(format_args!("{input}: {}", image::system_reason(&error))))?,
+        None => film_numbers(&numbered)?,
     };
-    if numbers.is_empty() {
-        return Err(Failure::data(format_args!("{input}: no file has such a name")));
-    }
     let indices = indices(&numbers);
     let frame = |(i, number)| (i, numbered.at(number), output.at(number));
     Ok(indices.into_iter().zip(numbers).map(frame).collect())

@@ -5,13 +5,14 @@
 
 use std::path::{Path, PathBuf};
 
-use gnurt::image::{Picture, PictureFormat, ToneCurve, system_reason};
+use gnurt::image::{Picture, PictureFormat, ToneCurve};
 use gnurt::{Numbered, ThreadPool};
 use gnurt_view::{Comparison, Item, compose, items};
 
 use crate::arguments::{DisplayOptions, ExposureChoice, WindowArguments};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
+use crate::film_files::film_numbers;
 use crate::messages::Messages;
 use crate::nearest::unknown;
 use crate::output::Output;
@@ -54,13 +55,8 @@ pub(super) fn run(arguments: &WindowArguments, environment: &Environment, messag
 
 /// The files of a film in order, or one picture.
 fn film(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |reason: &dyn std::fmt::Display| Failure::data(format_args!("{}: {reason}", path.display()));
     let Some(numbered) = Numbered::of(path) else { return Ok(vec![path.to_owned()]) };
-    let numbers = numbered.numbers().map_err(|error| failed(&system_reason(&error)))?;
-    if numbers.is_empty() {
-        return Err(failed(&"no file has such a name"));
-    }
-    Ok(numbers.into_iter().map(|number| numbered.at(number)).collect())
+    Ok(film_numbers(&numbered)?.into_iter().map(|number| numbered.at(number)).collect())
 }
 
 /// The part of a picture that has this name.

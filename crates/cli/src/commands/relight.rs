@@ -5,11 +5,11 @@
 use std::path::PathBuf;
 
 use gnurt::Numbered;
-use gnurt::image;
 use gnurt::relight::relight;
 
 use crate::arguments::{DisplayOptions, RelightArguments};
 use crate::failure::{Failure, Outcome};
+use crate::film_files::film_numbers;
 use crate::messages::Messages;
 use crate::output::{Output, is_same_file};
 use crate::signals::{self, FirstSignal};
@@ -55,7 +55,6 @@ pub(crate) fn run(arguments: &RelightArguments, messages: Messages) -> Outcome {
 
 /// Files to read and to write: one, or those of a film.
 fn frames(arguments: &RelightArguments, output: &Output) -> Result<Vec<(PathBuf, Output)>, Failure> {
-    let input = arguments.input.display();
     let Some(numbered) = Numbered::of(&arguments.input) else {
         return Ok(vec![(arguments.input.clone(), output.clone())]);
     };
@@ -65,11 +64,6 @@ fn frames(arguments: &RelightArguments, output: &Output) -> Result<Vec<(PathBuf,
             output.path().display()
         )));
     }
-    let numbers = numbered.numbers();
-    let numbers =
-        numbers.map_err(|error| Failure::data(format_args!("{input}: {}", image::system_reason(&error))))?;
-    if numbers.is_empty() {
-        return Err(Failure::data(format_args!("{input}: no file has such a name")));
-    }
+    let numbers = film_numbers(&numbered)?;
     Ok(numbers.into_iter().map(|number| (numbered.at(number), output.at(number))).collect())
 }
