@@ -16,7 +16,7 @@ const PER_PIXEL: u64 = 64;
 /// Albedo, normal, position, depth, ids and background, and their bytes in the file.
 const LAYERS_PER_PIXEL: u64 = 360;
 /// What mirrors and glass show: sums, means, and their bytes in the file.
-const SEEN_PER_PIXEL: u64 = 370;
+const SEEN_PER_PIXEL: u64 = 415;
 /// A layer of light: sums, the mean, and its bytes in the file.
 const LIGHT_LAYER_PER_PIXEL: u64 = 60;
 /// The things of a pixel of one kind of mattes; and each rank, with its bytes in the file.

@@ -96,10 +96,10 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelG
     let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);
     let seen = is_seen.then(|| {
         [
-            seen("seen_albedo", rgb, &|seen, tile, i| means(&seen.albedo[i], tile)),
-            seen("seen_N", xyz, &|seen, tile, i| means(&seen.normal[i], tile)),
+            seen("seen_albedo", rgb, &|seen, _, i| seen.mean(i, &seen.albedo)),
+            seen("seen_N", xyz, &|seen, _, i| seen.mean(i, &seen.normal)),
             seen("seen_light", rgb, &|seen, tile, i| means(&seen.light[i], tile)),
-            seen("seen_split", rgb, &|seen, tile, i| means(&seen.split[i], tile)),
+            seen("seen_split", rgb, &|seen, _, i| seen.mean(i, &seen.split)),
             seen("seen_variance", rgb, &|seen, tile, i| seen.variance(i, tile.samples)),
             seen("seen_P", xyz, &|seen, _, i| seen.first[i].position.into()),
             Layer::floats("seen_depth", [("Z", plane(&|_, aovs, i| seen_hit(aovs, i).depth, f32::INFINITY))]),

@@ -14,6 +14,7 @@ mod camera;
 mod camera_batch;
 mod camera_matrices;
 mod checkpoint;
+mod closer_look;
 mod cone;
 mod cost;
 mod error;

@@ -11,6 +11,7 @@ use gnurt_scene::RayMask;
 use gnurt_shading::Vec3s;
 
 use crate::camera_batch::CameraBatch;
+use crate::closer_look;
 use crate::cost::TileCosts;
 use crate::expressions::Ledger;
 use crate::film::TileFilm;
@@ -89,6 +90,7 @@ impl<'a> Sampler<'a> {
             if let Some(aovs) = &mut tile.aovs {
                 aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, &radiance);
             }
+            closer_look::take(self.job, tile, tracer, sample);
             if !self.job.options.mattes.kinds.is_empty() {
                 mattes::gather(
                     tracer,
@@ -155,6 +157,7 @@ impl<'a> Sampler<'a> {
         if let Some(aovs) = &mut tile.aovs {
             aovs.add(tracer, camera, 0..camera.keys.len(), sample, self.job.forward, &radiance);
         }
+        closer_look::take(self.job, tile, tracer, sample);
         if !self.job.options.mattes.kinds.is_empty() {
             let kinds = &self.job.options.mattes.kinds;
             mattes::gather(tracer, kinds, camera, 0..camera.keys.len(), &mut tile.mattes);

@@ -12,14 +12,14 @@ use std::ops::Range;
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_scene::RayMask;
-use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Kind, Lobe, left_after};
+use gnurt_shading::bsdf::{Bsdf, BsdfSample, ClosureBatch, Kind, Lobe, left_after};
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 
 use crate::cone::{Cone, ConeHit, Cones, fineness};
 use crate::first_hit::{FirstHit, NOTHING};
 use crate::options::RenderOptions;
-use crate::state::{SavedState, put_f64};
+use crate::state::{SavedState, put_f32, put_f64, put_u32};
 use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
 use crate::transport::opacity;
 use crate::world::HitLanes;
@@ -32,6 +32,8 @@ const MOST_ROUNDS: u32 = 48;
 const RARE: f32 = 0.01;
 /// Microfacets with narrower slopes show features, as mirrors do; their light counts as scattered.
 const NARROW: f32 = 0.15;
+/// Still narrower ones show points, which move as those in mirrors.
+const SHARP: f32 = 0.05;
 /// Marks the random numbers of that choice.
 const CHANCE: u32 = 0x5ee;
 
@@ -44,7 +46,7 @@ pub(crate) fn most_edges(options: &RenderOptions) -> u32 {
     }
 }
 
-/// Sums over the samples of a tile's pixels.
+/// Sums over the camera rays of a tile's pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct TileSeen {
     pub(crate) albedo: Vec<[f64; 3]>,
@@ -54,10 +56,18 @@ pub(crate) struct TileSeen {
     /// The light that is scattered elsewhere, and its squares.
     rest: Vec<[f64; 3]>,
     squares: Vec<[f64; 3]>,
+    /// Camera rays of each pixel that albedo, normal and split light are sums of; the others are sums of samples.
+    views: Vec<u32>,
+    /// Albedo, normal and split light of the first one, and whether another one differs.
+    reference: Vec<View>,
+    pub(crate) differs: Vec<bool>,
     /// The brightest surface of the first sample, and how bright it is; depths along the way there.
     pub(crate) first: Vec<FirstHit>,
     brightest: Vec<f32>,
 }
+
+/// Albedo, normal and split light of a camera ray.
+type View = [[f32; 3]; 3];
 
 /// A ray that is followed.
 #[derive(Clone, Copy)]
@@ -72,6 +82,8 @@ struct Branch {
     way: f32,
     /// Whether only smooth surfaces are before it: then its light is known.
     is_exact: bool,
+    /// Whether only smooth and very narrow ones are: then one point is behind it.
+    is_sharp: bool,
     /// Where it was scattered, and how much is absorbed along it there.
     start: Vec3,
     absorption: Vec3,
@@ -101,7 +113,15 @@ impl TileSeen {
         let zero = || vec![[0.0; 3]; pixels];
         let (albedo, normal, light, split) = (zero(), zero(), zero(), zero());
         let (first, brightest) = (vec![NOTHING; pixels], vec![0.0; pixels]);
-        Self { albedo, normal, light, split, rest: zero(), squares: zero(), first, brightest }
+        let (views, reference, differs) =
+            (vec![0; pixels], vec![View::default(); pixels], vec![false; pixels]);
+        let (rest, squares) = (zero(), zero());
+        Self { albedo, normal, light, split, rest, squares, views, reference, differs, first, brightest }
+    }
+
+    /// The mean over the camera rays of pixel `i` of a sum.
+    pub(crate) fn mean(&self, i: usize, sums: &[[f64; 3]]) -> [f32; 3] {
+        sums[i].map(|sum| (sum / f64::from(self.views[i].max(1))) as f32)
     }
 
     /// Variance of the mean of the light that is scattered elsewhere, by `count` samples; 0 if it is not known.
@@ -144,19 +164,34 @@ impl TileSeen {
                 }
             }
         }
-        let has_light = follows && !found.is_empty();
+        self.add_views(tracer, camera, range.clone(), sample == 0, &|lane| lane - range.start);
+    }
+
+    /// Adds the camera rays in `range`, at most one of each pixel: albedo, normal, and light that all their branches see.
+    pub(crate) fn add_views(
+        &mut self,
+        tracer: &mut BatchTracer,
+        camera: HitLanes,
+        range: Range<usize>,
+        is_first: bool,
+        pixel_of: &dyn Fn(usize) -> usize,
+    ) {
+        let before: Vec<[[f64; 3]; 3]> = range.clone().map(|lane| self.sums(pixel_of(lane))).collect();
+        let follows = follows(tracer);
+        let has_light = follows && !tracer.seen.is_empty();
         let most = if follows { MOST_EDGES.min(tracer.options.max_depth) } else { 1 };
         let of_camera = |lane: usize| Branch {
-            pixel: lane - range.start,
+            pixel: pixel_of(lane),
             weight: Vec3::ONE,
             share: 1.0,
             edges: 1,
             way: 0.0,
             is_exact: true,
+            is_sharp: true,
             start: Vec3::from(camera.rays.get(lane).org),
             absorption: Vec3::ZERO,
         };
-        let mut next = self.gather(tracer, camera, range.clone(), (sample, most, has_light), &of_camera);
+        let mut next = self.gather(tracer, camera, range.clone(), (is_first, most, has_light), &of_camera);
         for _ in 1..MOST_ROUNDS {
             if next.all.is_empty() {
                 break;
@@ -165,14 +200,29 @@ impl TileSeen {
             tracer.stats.secondary_rays += keys.len() as u64;
             let hits = tracer.intersect(RayMask::OTHER, rays, keys, Coherence::Coherent);
             let from = HitLanes { rays, keys, hits: &hits, cones: Some(cones), depth: 1 };
-            next = self.gather(tracer, from, 0..all.len(), (sample, most, has_light), &|lane| all[lane]);
+            next = self.gather(tracer, from, 0..all.len(), (is_first, most, has_light), &|lane| all[lane]);
         }
+        for (lane, before) in range.zip(before) {
+            let pixel = pixel_of(lane);
+            let after = self.sums(pixel);
+            let view: View =
+                [0, 1, 2].map(|layer| [0, 1, 2].map(|k| (after[layer][k] - before[layer][k]) as f32));
+            if self.views[pixel] == 0 {
+                self.reference[pixel] = view;
+            }
+            self.differs[pixel] |= differ(&view, &self.reference[pixel]);
+            self.views[pixel] += 1;
+        }
+    }
+
+    fn sums(&self, pixel: usize) -> [[f64; 3]; 3] {
+        [self.albedo[pixel], self.normal[pixel], self.split[pixel]]
     }
 
     /// Notes a surface, if none that is brighter is seen in its pixel.
     fn note(&mut self, branch: &Branch, albedo: Vec3, hit: FirstHit) {
         let light = (branch.weight * albedo).max_element().max(1e-9);
-        if branch.is_exact && light > self.brightest[branch.pixel] {
+        if branch.is_sharp && light > self.brightest[branch.pixel] {
             (self.brightest[branch.pixel], self.first[branch.pixel]) = (light, hit);
         }
     }
@@ -183,7 +233,7 @@ impl TileSeen {
         tracer: &mut BatchTracer,
         from: HitLanes,
         range: Range<usize>,
-        (sample, most, has_light): (u32, u32, bool),
+        (is_first, most, has_light): (bool, u32, bool),
         of: &dyn Fn(usize) -> Branch,
     ) -> Branches {
         let most_light = if has_light { most_edges(tracer.options) } else { 0 };
@@ -198,7 +248,7 @@ impl TileSeen {
                 }
             }
         }
-        if sample == 0 {
+        if is_first {
             for lane in range.clone().filter(|&lane| from.hits.get(lane).is_none()) {
                 self.note(&of(lane), Vec3::ONE, NOTHING);
             }
@@ -257,7 +307,7 @@ impl TileSeen {
                     );
                 }
                 let (own, share) = own;
-                if sample == 0 {
+                if is_first {
                     let (material, (_, object)) = (
                         world.material_of(points.leaf_id[k], points.geom_id[k]),
                         world.leaf(points.leaf_id[k]),
@@ -281,8 +331,19 @@ impl TileSeen {
     }
 }
 
+/// Whether two camera rays of a pixel see different things.
+fn differ(a: &View, b: &View) -> bool {
+    let off = |layer: usize, most: f32| {
+        (0..3).any(|k| {
+            let (a, b) = (a[layer][k], b[layer][k]);
+            (a - b).abs() > most * a.abs().max(b.abs()).max(1.0)
+        })
+    };
+    off(0, 0.05) || off(1, 0.2) || off(2, 0.05)
+}
+
 /// Whether smooth surfaces are followed.
-fn follows(tracer: &BatchTracer) -> bool {
+pub(crate) fn follows(tracer: &BatchTracer) -> bool {
     let world = tracer.world;
     world.media().is_empty()
         && tracer.held.is_empty()
@@ -306,7 +367,13 @@ fn follow(
     let is_last = here.edges >= most;
     let (point, whole) = (points.point(k), all.element_sum().max(1e-6));
     let (mut rest, mut share) = (all, 1.0);
-    for (i, branch) in bsdf.delta_branches(wo).into_iter().enumerate() {
+    let mirrored = 2.0 * bsdf.normal().dot(wo) * bsdf.normal() - wo;
+    let polished = closures.is_polished(k).then(|| {
+        let (value, pdf) = bsdf.eval_pdf(wo, mirrored);
+        let weight = if pdf > 0.0 { value / pdf } else { Vec3::ZERO };
+        BsdfSample { wi: mirrored, weight, pdf, delta: true, transmitted: false, wide: false }
+    });
+    for (i, branch) in bsdf.delta_branches(wo).into_iter().chain([polished]).enumerate() {
         let Some(sample) = branch else { continue };
         rest = (rest - sample.weight).max(Vec3::ZERO);
         let part = (sample.weight.element_sum() / whole).min(1.0);
@@ -329,9 +396,13 @@ fn follow(
             next.push(ray, key, hit.after(&sample, fineness(key)), beyond);
         }
     }
+    if polished.is_some() {
+        return (rest, share);
+    }
     let is_gloss = |lobe: &Lobe| lobe.is_narrow(NARROW) && !lobe.kind.is_delta();
-    let gloss = Bsdf::new(bsdf.normal(), bsdf.lobes().clone().filtered(is_gloss).reflecting()).albedo(wo);
-    let mirrored = 2.0 * bsdf.normal().dot(wo) * bsdf.normal() - wo;
+    let gloss = Bsdf::new(bsdf.normal(), bsdf.lobes().clone().filtered(is_gloss).reflecting());
+    let is_sharp = here.is_sharp && gloss.lobes().as_slice().iter().all(|lobe| lobe.is_narrow(SHARP));
+    let gloss = gloss.albedo(wo);
     if !is_last
         && gloss.max_element() > 0.0
         && let Some(ray) = point.scatter_ray(mirrored, false, f32::INFINITY)
@@ -343,6 +414,7 @@ fn follow(
             share: 0.0,
             edges: here.edges + 1,
             is_exact: false,
+            is_sharp,
             start: points.p.get(k),
             absorption: closures.medium(k).on(true),
             ..here
@@ -381,9 +453,16 @@ fn add(sum: &mut [f64; 3], value: Vec3) {
 
 impl SavedState for TileSeen {
     fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
-        let Self { albedo, normal, light, split, rest, squares, first, .. } = self;
+        let Self { albedo, normal, light, split, rest, squares, views, reference, differs, first, .. } = self;
         for sums in [albedo, normal, light, split, rest, squares] {
             sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
+        }
+        views.iter_mut().for_each(|count| put_u32(count, with));
+        reference.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|x| put_f32(x, with));
+        for flag in differs {
+            let mut value = u32::from(*flag);
+            put_u32(&mut value, with);
+            *flag = value != 0;
         }
         first.iter_mut().for_each(|hit| hit.state(with));
     }

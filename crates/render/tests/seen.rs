@@ -75,6 +75,9 @@ fn balls() -> Scene {
     let glass = scene.add_material(Material::of("glass", glass));
     let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
     let mirror = scene.add_material(Material::of("mirror", mirror));
+    let metal = Surface::Metal { eta: [0.2, 0.9, 1.2], k: [3.9, 2.4, 2.2], roughness: 0.0 };
+    let metal = scene.add_material(Material::of("metal", metal));
+    put_mesh(&mut scene, quad([-1.5, 1.0, 0.0], [3.0, 0.0, 0.0], [0.0, 0.3, 2.5], metal));
     put_mesh(&mut scene, sphere([-0.8, 0.0, 0.7], 0.7, 16, glass));
     put_mesh(&mut scene, sphere([0.8, 0.0, 0.7], 0.7, 16, mirror));
     let lamp = emitter(&mut scene, [20.0, 18.0, 15.0]);
@@ -103,6 +106,46 @@ fn light_of_all_branches_agrees_with_that_of_paths() {
     let [light, split] = ["seen_light", "seen_split"].map(|name| layer(&frame.picture, name, RGB));
     let ratio = sum(&split) / sum(&light);
     assert!((ratio - 1.0).abs() < 0.02, "as far as they are not limited: {ratio}");
+}
+
+#[test]
+fn polished_metal_shows_what_a_mirror_shows() {
+    let gold = |roughness| Surface::Metal { eta: [0.2, 0.9, 1.2], k: [3.9, 2.4, 2.2], roughness };
+    let picture = |surface: Surface| {
+        let mut scene = hall(0.5);
+        let floor = scene.add_material(Material::of("floor", surface));
+        put_mesh(&mut scene, quad([-9.0, -9.0, 0.01], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], floor));
+        let view = camera([0.0, -4.0, 1.0], [0.0, -1.2, 0.0], 0.1);
+        render(&world_of(&scene, false), &view, &seen(4, 4, 4), &pool(1), &Silent).expect("sound").picture
+    };
+    let (polished, rough) = (picture(gold(0.0)), picture(gold(0.3)));
+    let mirror = picture(Surface::Mirror { reflectance: Color::constant([0.9; 3]) });
+    let normal = layer(&polished, "seen_N", ["X", "Y", "Z"])[5];
+    assert!((normal[1] + 1.0).abs() < 1e-5, "the wall's: {normal:?}");
+    let id =
+        |picture: &Picture| match &picture.layer("seen_id").expect("ids").channel("prim").expect("prim").data
+        {
+            ChannelData::U32(values) => values[5],
+            ChannelData::F32(_) => panic!("numbers"),
+        };
+    let depth = |picture: &Picture| layer(picture, "seen_depth", ["Z"; 3])[5][0];
+    assert!(id(&polished) == id(&mirror) && (depth(&polished) / depth(&mirror) - 1.0).abs() < 1e-3);
+    assert!(depth(&rough) < 0.7 * depth(&mirror), "rough metal shows itself: {}", depth(&rough));
+}
+
+#[test]
+fn edges_of_lamps_have_less_noise_than_paths_give_them() {
+    let world = world_of(&balls(), false);
+    let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 2.0], 40.0);
+    let truth = render(&world, &view, &seen(40, 30, 512), &pool(2), &Silent).expect("sound").picture;
+    let few = RenderOptions { seed: 5, ..seen(40, 30, 4) };
+    let few = render(&world, &view, &few, &pool(2), &Silent).expect("sound").picture;
+    let truth = layer(&truth, "seen_split", RGB);
+    let error = |name: &str| -> f32 {
+        layer(&few, name, RGB).iter().zip(&truth).map(|(a, b)| (a[1] - b[1]).powi(2)).sum()
+    };
+    let (paths, rays) = (error("seen_light"), error("seen_split"));
+    assert!(rays < 0.25 * paths && paths > 1.0, "{rays} by more rays, {paths} by paths");
 }
 
 #[test]

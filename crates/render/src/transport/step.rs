@@ -512,7 +512,12 @@ fn go_on<R: Real>(
     let absorption = met.absorption(first, alive, chosen.transmitted, zero);
     let how = [chosen.delta, chosen.transmitted, chosen.wide].map(R::bits);
     let boundary = met.boundary(first, R::LANES);
-    let mut seen = if onward.seen.is_some() { how[0] } else { 0 };
+    let mut seen = 0;
+    if onward.seen.is_some() {
+        // Light samples bring next to nothing by lobes this narrow.
+        let polished = LanesOf(R::bits(alive) & !how[0]).filter(|i| met.closures.is_polished(first + i));
+        seen = how[0] | polished.fold(0, |bits, i| bits | 1 << i);
+    }
     for i in LanesOf(seen & R::bits(alive)) {
         // Colours go different ways.
         seen &= !(u64::from(met.closures.is_dispersed(first + i)) << i);

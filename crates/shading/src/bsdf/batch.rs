@@ -358,6 +358,15 @@ impl ClosureBatch {
         })
     }
 
+    /// Whether microfacets of a mirror are all that point `i` scatters light by.
+    #[must_use]
+    pub fn is_polished(&self, i: usize) -> bool {
+        let (block, lane) = (&self.blocks[i / LANES], i % LANES);
+        let all = block.lobes[..block.count as usize].iter().map(|rows| rows.get(lane));
+        let mut lobes = all.filter(|lobe| !lobe.is_black());
+        lobes.next().is_some_and(|lobe| lobe.is_polished()) && lobes.next().is_none()
+    }
+
     /// Whether glass of point `i` bends colours into different directions.
     #[must_use]
     pub fn is_dispersed(&self, i: usize) -> bool {

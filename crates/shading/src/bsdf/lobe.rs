@@ -59,6 +59,9 @@ pub enum Kind {
     RoughFibre,
 }
 
+/// Widths of slopes up to which reflections look like those in mirrors; twice the least width.
+const POLISHED: f32 = 2.0 * ggx::SMALLEST_ALPHA;
+
 impl Kind {
     /// In the order of their numbers.
     pub(super) const ALL: [Self; 21] = [
@@ -552,6 +555,12 @@ impl Lobe {
             kind if kind.has_slopes() => self.alpha.max(self.across) < alpha,
             kind => kind.is_delta(),
         }
+    }
+
+    /// Whether its microfacets are those of a mirror: reflections of points are points.
+    #[must_use]
+    pub fn is_polished(&self) -> bool {
+        matches!(self.kind, Kind::Microfacets | Kind::Metal) && self.alpha.max(self.across) <= POLISHED
     }
 
     /// Whether it scatters nothing.
