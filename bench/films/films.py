@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Films that judge the filter over frames: `films.py GNURT FOLDER [--reference N] [--only NAME]`.
 
-Writes four small animated scenes (moving camera, moving lamp, turning object, moving camera before a mirror and a pane), renders each with 8 samples per pixel,
-filtered over frames and frame by frame, and compares both with many samples. Needs numpy and OpenEXR.
+Writes five small animated scenes (moving camera, moving lamp, turning object, moving camera before a mirror and a pane, moving ball of
+glass), renders each with 8 samples per pixel, filters frames together and one by one, and compares with many samples.
+Needs numpy and OpenEXR, and OIDN_LIB for Open Image Denoise (PyPI's pyoidn carries the library), which gets albedo and normal of first hits.
 
 Figures, smaller is better: `relMSE` of the frames; `change`: relative MSE of differences between consecutive frames;
-`flicker`: mean absolute difference between frames where the reference stands still. All as ratios to the filter of
-single frames. Radiance is clipped at 2. There are two references, under two seeds: the mean product of the differences
+`flicker`: mean absolute difference between frames where the reference stands still; FLIP, mean of three frames. All as ratios to OIDN's
+single frames, if it is there, else to the built-in filter's. Radiance is clipped at 2. There are two references, under two seeds: the mean product of the differences
 from both is the squared error without their noise. A reference has one seed for all frames, so that what stands still is exactly still in it.
 """
 
@@ -101,6 +102,20 @@ def quad(a, b, c, d):
     return [a, b, c, d], [[0, 1, 2], [0, 2, 3]]
 
 
+def ball(radius, rows=24):
+    """The normals are those of the triangles: many of them."""
+    points, faces = [], []
+    for i in range(rows + 1):
+        for j in range(2 * rows):
+            up, around = np.pi * i / rows, np.pi * j / rows
+            points.append([float(radius * x) for x in (np.sin(up) * np.cos(around), np.cos(up), np.sin(up) * np.sin(around))])
+    for i in range(rows):
+        for j in range(2 * rows):
+            a, b = i * 2 * rows + j, i * 2 * rows + (j + 1) % (2 * rows)
+            faces += [[a, b, a + 2 * rows], [b, b + 2 * rows, a + 2 * rows]]
+    return points, faces
+
+
 def room(scene, lamp=True):
     grey = scene.material([0.7, 0.7, 0.7])
     red = scene.material([0.7, 0.15, 0.1])
@@ -175,7 +190,17 @@ def films(folder):
     scene.node(mesh=scene.mesh([(*quad([0.3, 0.2, 0.6], [1.9, 0.2, 0.2], [1.9, 1.8, 0.2], [0.3, 1.8, 0.6]), pane)]))
     scene.move(camera(scene), "translation", TIMES, [[-0.6 + 0.1 * i, 1.6, 5.5 - 0.04 * i] for i in range(FRAMES)])
     scene.write(folder / "mirror.glb")
-    return ["camera", "lamp", "turn", "mirror"]
+    scene = Gltf()
+    room(scene)
+    camera(scene)
+    glass = scene.material([1.0, 1.0, 1.0], 0.0)
+    scene.json["materials"][glass]["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1.0},
+                                                    "KHR_materials_volume": {"thicknessFactor": 1.0}}
+    scene.json["extensionsUsed"] += ["KHR_materials_transmission", "KHR_materials_volume"]
+    ball_node = scene.node(mesh=scene.mesh([(*ball(0.7), glass)]))
+    scene.move(ball_node, "translation", TIMES, [[-0.9 + 0.12 * i, 0.75, 1.2] for i in range(FRAMES)])
+    scene.write(folder / "glass.glb")
+    return ["camera", "lamp", "turn", "mirror", "glass"]
 
 
 def read(path):
@@ -208,6 +233,44 @@ def render(gnurt, folder, scene, name, spp, more, seed=None):
     return np.minimum(np.stack([read(str(out).replace("##", f"{i:02}")) for i in range(FRAMES)]), 2.0)
 
 
+def filtered(gnurt, folder, scene, name, source, how):
+    out = folder / f"{scene}.{name}.##.exr"
+    command = [gnurt, "denoise", "-q", str(folder / f"{scene}.{source}.##.exr"), "--frames", f"0..{FRAMES - 1}", "-o", str(out)]
+    subprocess.run(command + how, check=True)
+    return frames(folder, scene, name)
+
+
+def frames(folder, scene, name):
+    return np.minimum(np.stack([read(folder / f"{scene}.{name}.{i:02}.exr") for i in range(FRAMES)]), 2.0)
+
+
+def first_hits(folder, scene):
+    """The frames without the layers of what is seen in mirrors and glass."""
+    for i in range(FRAMES):
+        with OpenEXR.File(str(folder / f"{scene}.noisy.{i:02}.exr"), separate_channels=True) as file:
+            kept = {name: channel.pixels for name, channel in file.channels().items() if not name.startswith("seen_")}
+        with OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, kept) as file:
+            file.write(str(folder / f"{scene}.first.{i:02}.exr"))
+
+
+def write(path, rgb):
+    with OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage},
+                      {name: np.ascontiguousarray(rgb[..., k]) for k, name in enumerate("RGB")}) as file:
+        file.write(str(path))
+
+
+def flip(gnurt, folder, film, truth):
+    """Mean over three frames; the reference's mean is at a fifth of what a screen shows."""
+    scale, found = 0.2 / truth.mean(), []
+    paths = [folder / f"flip-{i}.exr" for i in range(2)]
+    for i in (1, FRAMES // 2, FRAMES - 2):
+        for path, rgb in zip(paths, (film[i], truth[i])):
+            write(path, rgb * scale)
+        told = subprocess.run([gnurt, "diff", "--flip", *map(str, paths)], capture_output=True, text=True).stdout
+        found.append(float(next(line for line in told.splitlines() if line.startswith("FLIP")).split()[-1]))
+    return np.mean(found)
+
+
 def errors(film, truths):
     level = (truths[0] + truths[1]) / 2
     relative = lambda film, truths, level: np.mean((film - truths[0]) * (film - truths[1]) / (level**2 + 1e-2))
@@ -222,20 +285,33 @@ def main():
     gnurt, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     spp = int(sys.argv[sys.argv.index("--reference") + 1]) if "--reference" in sys.argv else 1024
     folder.mkdir(parents=True, exist_ok=True)
-    ways = {"film": ["--denoise=built-in"], "single": ["--denoise=built-in", "--denoise-window", "0"]}
+    alone = ["--denoise-window", "0"]
+    ways = {"single": ("noisy", ["--denoise=built-in", *alone]), "film": ("noisy", ["--denoise=built-in"])}
     if "OIDN_LIB" in os.environ:
-        ways["oidn"] = ["--denoise=oidn", "--denoise-window", "0"]
-        ways["film-oidn"] = ["--denoise=oidn"]
+        ways = {"oidn": ("first", ["--denoise=oidn", *alone]), **ways}
+        ways["oidn-seen"] = ("noisy", ["--denoise=oidn", *alone])
+        ways["film-oidn"] = ("noisy", ["--denoise=oidn"])
     names = films(folder)
     if "--only" in sys.argv:
-        names = [sys.argv[sys.argv.index("--only") + 1]]
+        names = sys.argv[sys.argv.index("--only") + 1].split(",")
+    everything = {}
     for scene in names:
         truth = [render(gnurt, folder, scene, f"truth{seed}", spp, ["--denoise=none"], seed) for seed in (777, 778)]
-        found = {name: errors(render(gnurt, folder, scene, name, 8, more), truth) for name, more in ways.items()}
-        base = found["single"][0]
-        for name, (figures, still) in found.items():
-            ratios = " ".join(f"{a:.5f} ({a / b:.2f})" for a, b in zip(figures, base))
-            print(f"{scene:7} {name:10} relMSE, change, flicker: {ratios}; still {still:.0%}", flush=True)
+        render(gnurt, folder, scene, "noisy", 8, ["--layers", "denoise"])
+        first_hits(folder, scene)
+        base = None
+        for name, (source, how) in ways.items():
+            film = filtered(gnurt, folder, scene, name, source, how)
+            figures, still = errors(film, truth)
+            figures.append(flip(gnurt, folder, film, (truth[0] + truth[1]) / 2))
+            base = base or figures
+            ratios = [a / b for a, b in zip(figures, base)]
+            everything.setdefault(name, []).append(ratios)
+            told = " ".join(f"{a:.5f} ({b:.2f})" for a, b in zip(figures, ratios))
+            print(f"{scene:7} {name:10} relMSE, change, flicker, FLIP: {told}; still {still:.0%}", flush=True)
+    for name, ratios in everything.items():
+        means = np.exp(np.nanmean(np.log(np.maximum(ratios, 1e-9)), axis=0))
+        print(f"mean    {name:10} relMSE, change, flicker, FLIP:", " ".join(f"{x:.2f}" for x in means))
 
 
 main()
