@@ -14,7 +14,6 @@ mod camera;
 mod camera_batch;
 mod camera_matrices;
 mod checkpoint;
-mod closer_look;
 mod cone;
 mod cost;
 mod error;

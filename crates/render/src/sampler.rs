@@ -11,7 +11,6 @@ use gnurt_scene::RayMask;
 use gnurt_shading::Vec3s;
 
 use crate::camera_batch::CameraBatch;
-use crate::closer_look;
 use crate::cost::TileCosts;
 use crate::expressions::Ledger;
 use crate::film::TileFilm;
@@ -24,6 +23,7 @@ use crate::many_lights::{self, PassLights};
 use crate::mattes;
 use crate::options::Integrator;
 use crate::pixels;
+use crate::seen::closer_look;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
 use crate::transport::links::LinkedPaths;

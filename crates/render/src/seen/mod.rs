@@ -7,16 +7,19 @@
 //! Where media, holes, pixel shaders or restricted lights are, nothing is followed.
 //! Space: world. Invariant: nothing here changes the picture. Tests: crates/render/tests/seen.rs.
 
+mod branches;
+pub(crate) mod closer_look;
+mod view;
+
 use std::ops::Range;
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, RayBatch};
+use gnurt_accel::Coherence;
 use gnurt_scene::RayMask;
-use gnurt_shading::bsdf::{Bsdf, BsdfSample, ClosureBatch, Kind, Lobe, left_after};
-use gnurt_shading::sampling::{purpose, sample_pair};
-use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
+use gnurt_shading::Vec3s;
+use gnurt_shading::bsdf::{ClosureBatch, Kind, left_after};
 
-use crate::cone::{Cone, ConeHit, Cones, fineness};
+use crate::cone::ConeHit;
 use crate::first_hit::{FirstHit, NOTHING};
 use crate::options::RenderOptions;
 use crate::state::{SavedState, put_f32, put_f64, put_u32};
@@ -24,19 +27,13 @@ use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
 use crate::transport::opacity;
 use crate::world::HitLanes;
 
+use branches::{Branch, Branches, NARROW, chosen, follow};
+use view::{Differs, View, differ};
+
 /// Path segments up to the last surface that is seen, the camera's included.
 const MOST_EDGES: u32 = 8;
 /// Segments, and transparent parts between them.
 const MOST_ROUNDS: u32 = 48;
-/// Branches with less of the light are followed by chance.
-const RARE: f32 = 0.01;
-/// Microfacets with narrower slopes show features, as mirrors do; their light counts as scattered.
-const NARROW: f32 = 0.15;
-/// Still narrower ones show points, which move as those in mirrors.
-const SHARP: f32 = 0.05;
-/// Marks the random numbers of that choice.
-const CHANCE: u32 = 0x5ee;
-
 /// Path segments up to the light that counts as seen; contributions beyond are limited, if any are.
 pub(crate) fn most_edges(options: &RenderOptions) -> u32 {
     match options.clamp {
@@ -60,52 +57,10 @@ pub(crate) struct TileSeen {
     views: Vec<u32>,
     /// Albedo, normal and split light of the first one, and whether another one differs.
     reference: Vec<View>,
-    pub(crate) differs: Vec<bool>,
+    differs: Vec<Differs>,
     /// The brightest surface of the first sample, and how bright it is; depths along the way there.
     pub(crate) first: Vec<FirstHit>,
     brightest: Vec<f32>,
-}
-
-/// Albedo, normal and split light of a camera ray.
-type View = [[f32; 3]; 3];
-
-/// A ray that is followed.
-#[derive(Clone, Copy)]
-struct Branch {
-    pixel: usize,
-    /// The share of the light at its end that the camera gets.
-    weight: Vec3,
-    /// The share of the pixel; those of all branches make 1.
-    share: f32,
-    edges: u32,
-    /// The length of the way so far.
-    way: f32,
-    /// Whether only smooth surfaces are before it: then its light is known.
-    is_exact: bool,
-    /// Whether only smooth and very narrow ones are: then one point is behind it.
-    is_sharp: bool,
-    /// Where it was scattered, and how much is absorbed along it there.
-    start: Vec3,
-    absorption: Vec3,
-}
-
-/// Rays that are followed.
-#[derive(Default)]
-struct Branches {
-    rays: RayBatch,
-    keys: Vec<SampleKey>,
-    cones: Cones,
-    all: Vec<Branch>,
-}
-
-impl Branches {
-    fn push(&mut self, ray: gnurt_accel::Ray, key: SampleKey, cone: Cone, branch: Branch) {
-        self.rays.push(ray);
-        self.keys.push(key);
-        self.cones.resize(self.all.len() + 1);
-        self.cones.set(self.all.len(), cone);
-        self.all.push(branch);
-    }
 }
 
 impl TileSeen {
@@ -114,7 +69,7 @@ impl TileSeen {
         let (albedo, normal, light, split) = (zero(), zero(), zero(), zero());
         let (first, brightest) = (vec![NOTHING; pixels], vec![0.0; pixels]);
         let (views, reference, differs) =
-            (vec![0; pixels], vec![View::default(); pixels], vec![false; pixels]);
+            (vec![0; pixels], vec![View::default(); pixels], vec![Differs::Nothing; pixels]);
         let (rest, squares) = (zero(), zero());
         Self { albedo, normal, light, split, rest, squares, views, reference, differs, first, brightest }
     }
@@ -210,7 +165,7 @@ impl TileSeen {
             if self.views[pixel] == 0 {
                 self.reference[pixel] = view;
             }
-            self.differs[pixel] |= differ(&view, &self.reference[pixel]);
+            self.differs[pixel] = self.differs[pixel].max(differ(&view, &self.reference[pixel]));
             self.views[pixel] += 1;
         }
     }
@@ -331,17 +286,6 @@ impl TileSeen {
     }
 }
 
-/// Whether two camera rays of a pixel see different things.
-fn differ(a: &View, b: &View) -> bool {
-    let off = |layer: usize, most: f32| {
-        (0..3).any(|k| {
-            let (a, b) = (a[layer][k], b[layer][k]);
-            (a - b).abs() > most * a.abs().max(b.abs()).max(1.0)
-        })
-    };
-    off(0, 0.05) || off(1, 0.2) || off(2, 0.05)
-}
-
 /// Whether smooth surfaces are followed.
 pub(crate) fn follows(tracer: &BatchTracer) -> bool {
     let world = tracer.world;
@@ -349,100 +293,6 @@ pub(crate) fn follows(tracer: &BatchTracer) -> bool {
         && tracer.held.is_empty()
         && world.pixel().is_none()
         && tracer.wavefront.linked.is_none()
-}
-
-/// Sends the branches of a smooth surface on. Returns the albedo of its other scattering, and the share of that.
-fn follow(
-    seed: u64,
-    (points, closures, k): (&SurfaceBatch, &ClosureBatch, usize),
-    (here, key, hit): (Branch, SampleKey, ConeHit<f32>),
-    most: u32,
-    next: &mut Branches,
-) -> (Vec3, f32) {
-    let (bsdf, wo) = (closures.point(k).bsdf, -points.ray_dir.get(k));
-    let all = bsdf.albedo(wo);
-    if most == 1 || bsdf.is_dispersed() {
-        return (all, 1.0);
-    }
-    let is_last = here.edges >= most;
-    let (point, whole) = (points.point(k), all.element_sum().max(1e-6));
-    let (mut rest, mut share) = (all, 1.0);
-    let mirrored = 2.0 * bsdf.normal().dot(wo) * bsdf.normal() - wo;
-    let polished = closures.is_polished(k).then(|| {
-        let (value, pdf) = bsdf.eval_pdf(wo, mirrored);
-        let weight = if pdf > 0.0 { value / pdf } else { Vec3::ZERO };
-        BsdfSample { wi: mirrored, weight, pdf, delta: true, transmitted: false, wide: false }
-    });
-    for (i, branch) in bsdf.delta_branches(wo).into_iter().chain([polished]).enumerate() {
-        let Some(sample) = branch else { continue };
-        rest = (rest - sample.weight).max(Vec3::ZERO);
-        let part = (sample.weight.element_sum() / whole).min(1.0);
-        share = (share - part).max(0.0);
-        if is_last {
-            // Light that is still between smooth surfaces is as unknown as that of the sky.
-            continue;
-        }
-        let Some(ray) = point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) else { continue };
-        let beyond = Branch {
-            weight: here.weight * sample.weight,
-            share: here.share * part,
-            edges: here.edges + 1,
-            start: points.p.get(k),
-            absorption: closures.medium(k).on(!sample.transmitted),
-            ..here
-        };
-        let key = key.fork(i as u32);
-        if let Some(beyond) = chosen(seed, key, beyond) {
-            next.push(ray, key, hit.after(&sample, fineness(key)), beyond);
-        }
-    }
-    if polished.is_some() {
-        return (rest, share);
-    }
-    let is_gloss = |lobe: &Lobe| lobe.is_narrow(NARROW) && !lobe.kind.is_delta();
-    let gloss = Bsdf::new(bsdf.normal(), bsdf.lobes().clone().filtered(is_gloss).reflecting());
-    let is_sharp = here.is_sharp && gloss.lobes().as_slice().iter().all(|lobe| lobe.is_narrow(SHARP));
-    let gloss = gloss.albedo(wo);
-    if !is_last
-        && gloss.max_element() > 0.0
-        && let Some(ray) = point.scatter_ray(mirrored, false, f32::INFINITY)
-    {
-        rest = (rest - gloss).max(Vec3::ZERO);
-        // The surface keeps its normal, for most of its edges are seen in the light.
-        let beyond = Branch {
-            weight: here.weight * gloss,
-            share: 0.0,
-            edges: here.edges + 1,
-            is_exact: false,
-            is_sharp,
-            start: points.p.get(k),
-            absorption: closures.medium(k).on(true),
-            ..here
-        };
-        let (key, cone) = (key.fork(2), hit.straight());
-        if let Some(beyond) = chosen(seed, key, beyond) {
-            next.push(ray, key, cone, beyond);
-        }
-    }
-    (rest, share)
-}
-
-/// The branch, if it is followed: rare ones are by chance, and count for the others.
-fn chosen(seed: u64, key: SampleKey, branch: Branch) -> Option<Branch> {
-    let size = branch.weight.max_element();
-    if size >= RARE {
-        return Some(branch);
-    }
-    if size.is_nan() || size <= 0.0 {
-        return None;
-    }
-    let chance = size / RARE;
-    let drawn = sample_pair(seed, key.fork(CHANCE), branch.edges, purpose::CHOICE)[0];
-    (drawn < chance).then(|| Branch {
-        weight: branch.weight / chance,
-        share: branch.share / chance,
-        ..branch
-    })
 }
 
 fn add(sum: &mut [f64; 3], value: Vec3) {
@@ -460,9 +310,13 @@ impl SavedState for TileSeen {
         views.iter_mut().for_each(|count| put_u32(count, with));
         reference.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|x| put_f32(x, with));
         for flag in differs {
-            let mut value = u32::from(*flag);
+            let mut value = *flag as u32;
             put_u32(&mut value, with);
-            *flag = value != 0;
+            *flag = match value {
+                0 => Differs::Nothing,
+                1 => Differs::Surface,
+                _ => Differs::Light,
+            };
         }
         first.iter_mut().for_each(|hit| hit.state(with));
     }

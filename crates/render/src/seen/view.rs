@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One camera ray's view of a pixel, and how it differs from another one: at edges, many rays are worth their time.
+
+/// Albedo, normal and split light of a camera ray.
+pub(super) type View = [[f32; 3]; 3];
+
+/// What differs between camera rays of a pixel, the most important of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Differs {
+    #[default]
+    Nothing,
+    /// Albedo or normal.
+    Surface,
+    /// The light of lamps and environment that is seen.
+    Light,
+}
+
+/// What differs between two camera rays of a pixel.
+pub(super) fn differ(a: &View, b: &View) -> Differs {
+    let off = |layer: usize, most: f32| {
+        (0..3).any(|k| {
+            let (a, b) = (a[layer][k], b[layer][k]);
+            (a - b).abs() > most * a.abs().max(b.abs()).max(1.0)
+        })
+    };
+    match (off(0, 0.05) || off(1, 0.2), off(2, 0.05)) {
+        (_, true) => Differs::Light,
+        (true, false) => Differs::Surface,
+        (false, false) => Differs::Nothing,
+    }
+}
