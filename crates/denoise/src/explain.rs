@@ -19,6 +19,8 @@ use crate::regression::{Regression, Row, TERMS};
 const STRIDE: usize = 2;
 /// Neighbours that weigh less are left out.
 const LEAST: f32 = 1e-3;
+/// Normals and albedos are less than this where nothing was met.
+const NOTHING: f32 = 1e-3;
 /// Normals and albedos are not known better than this.
 const UNSURE: f32 = 0.011;
 
@@ -54,8 +56,10 @@ impl Explained {
         let planes = Planes::new(reach, width, layers.color, layers.variance);
         let rows: Vec<Row> = (0..layers.color.len()).map(|p| row(layers, p)).collect();
         let variance: Vec<f32> = layers.variance.iter().map(mean).collect();
-        let around =
-            Around { reach, planes: &planes, rows: &rows, variance: &variance, size: [width, height], stop };
+        let is_empty: Vec<bool> =
+            rows.iter().map(|row| row[1..7].iter().all(|x| x.abs() < NOTHING)).collect();
+        let (planes, rows, variance, is_empty) = (&planes, &rows[..], &variance[..], &is_empty[..]);
+        let around = Around { reach, planes, rows, variance, is_empty, size: [width, height], stop };
         let mut sums = vec![[0.0; 5]; width * height];
         // A band's fits reach half a band beyond it: those with even numbers do not meet, nor do those with odd ones.
         let band = (2 * reach.farthest()).next_multiple_of(16);
@@ -107,6 +111,8 @@ struct Around<'a> {
     rows: &'a [Row],
     /// Of light, by pixel.
     variance: &'a [f32],
+    /// Whether nothing was met in a pixel: light of surfaces does not reach into it.
+    is_empty: &'a [bool],
     size: [usize; 2],
     stop: &'a (dyn Fn() -> bool + Sync),
 }
@@ -142,7 +148,8 @@ impl Around<'_> {
         sums: &mut [Sum],
     ) {
         let [width, height] = self.size;
-        let mut regression = Regression::around(&self.rows[y * width + x]);
+        let centre = y * width + x;
+        let mut regression = Regression::around(&self.rows[centre]);
         near.clear();
         let (side, step) = (self.reach.side, self.reach.step);
         for (row, weights) in weights.chunks_exact(2 * side + 1).enumerate() {
@@ -150,14 +157,17 @@ impl Around<'_> {
             for (column, &weight) in weights.iter().enumerate() {
                 let qx = (x + column * step).wrapping_sub(side * step);
                 if weight > LEAST && qx < width && qy < height {
-                    near.push((qy * width + qx, weight));
+                    let q = qy * width + qx;
+                    if self.is_empty[q] == self.is_empty[centre] {
+                        near.push((q, weight));
+                    }
                 }
             }
         }
         for &(q, weight) in near.iter() {
             regression.add(weight, &self.rows[q]);
         }
-        let Some(fit) = regression.solve(UNSURE, self.variance[y * width + x]) else { return };
+        let Some(fit) = regression.solve(UNSURE, self.variance[centre]) else { return };
         let support = regression.weight();
         for &(q, weight) in near.iter() {
             let color = fit.at(&self.rows[q]);

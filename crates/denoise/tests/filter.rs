@@ -323,3 +323,31 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn light_of_surfaces_stays_out_of_pixels_without_any() {
+    // A dark wall of much noise beside nothing.
+    let is_empty = |x: u32| x < SIZE / 2;
+    let [_, mut noisy] = pictures(0.9, |x, _| Pixel {
+        light: if is_empty(x) { 0.0 } else { 0.2 },
+        albedo: if is_empty(x) { [0.0; 3] } else { [0.5; 3] },
+        normal: if is_empty(x) { [0.0; 3] } else { [0.0, 0.0, 1.0] },
+    });
+    // Light of a mist, of which nothing is known.
+    for (i, pixel) in noisy.color.iter_mut().enumerate().filter(|(i, _)| is_empty(*i as u32 % SIZE)) {
+        let mist = if i % 7 == 0 { 0.007 } else { 0.0 };
+        *pixel = [mist, mist, mist, 1.0];
+    }
+    let [r, g, b] = [0, 1, 2].map(|_| {
+        let of = |i: u32| if is_empty(i % SIZE) { 6e-6 } else { 0.0027 };
+        (0..SIZE * SIZE).map(of).collect::<Vec<f32>>()
+    });
+    let variance = noisy.layers.iter_mut().find(|layer| layer.name == "variance").expect("there");
+    *variance = Layer::floats("variance", [("R", r), ("G", g), ("B", b)]);
+    let clean = clean(&noisy);
+    let most = (0..SIZE * SIZE)
+        .filter(|i| is_empty(i % SIZE))
+        .map(|i| clean.color[i as usize][1])
+        .fold(0.0, f32::max);
+    assert!(most < 0.0071, "nothing shines as bright as {most}");
+}
