@@ -3,15 +3,15 @@
 //! The filter is after \[RKZ12\], \[MCY14\] and \[BRM*16\].
 //!
 //! Two methods: a filter without dependencies ([`Method::BuiltIn`]), and Intel's Open Image Denoise if its
-//! library is found at run time ([`Method::Oidn`]). Both use features of camera rays' first hits, which have
-//! little noise: the picture must have the layers `albedo`, `N` and `variance` of a rendering; `unscattered`,
-//! the directly visible light, keeps the edges of lights sharp.
+//! library is found at run time ([`Method::Oidn`]). Both use features of camera rays' hits, which have
+//! little noise: the picture must have the layers `albedo`, `N` and `variance` of a rendering, or those of what mirrors and
+//! glass show (`seen_*`); `unscattered`, the directly visible light, keeps the edges of lights sharp.
 //! Space: linear light.
 //!
 //! # Limits today
 //! * Biased, as denoisers are: detail finer than the noise is blurred.
-//! * Films: points seen in mirrors and behind glass borrow no light from other frames where they move.
-//! * Reflections and refractions have no layers: their edges are preserved by colours only.
+//! * Films: points behind curved mirrors and glass move by other laws than the layer of motion expects, and borrow less.
+//! * Reflections of rough surfaces have no layers: their edges are preserved by colours only.
 #![deny(unsafe_code)]
 
 mod built_in;

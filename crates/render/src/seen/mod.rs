@@ -2,8 +2,8 @@
 //! What the camera sees in mirrors and through smooth glass: features for denoisers.
 //! Rays of the camera follow all branches of smooth surfaces, where paths choose one by chance, so that these
 //! layers have less noise than the light. Albedo and normal are those of the surfaces behind; shares of a pixel
-//! are those of the light. `light` is the light of lamps and environment that paths found behind smooth surfaces
-//! only, `split` the same over all branches: their means agree. Rare branches are followed by chance.
+//! are those of the light. `light` is the light of lamps and environment that paths found behind smooth surfaces and
+//! polished metal only, `split` the same over all branches: their means agree. Rare branches are followed by chance.
 //! Where media, holes, pixel shaders or restricted lights are, nothing is followed.
 //! Space: world. Invariant: nothing here changes the picture. Tests: crates/render/tests/seen.rs.
 
@@ -34,6 +34,7 @@ use view::{Differs, View, differ};
 const MOST_EDGES: u32 = 8;
 /// Segments, and transparent parts between them.
 const MOST_ROUNDS: u32 = 48;
+
 /// Path segments up to the light that counts as seen; contributions beyond are limited, if any are.
 pub(crate) fn most_edges(options: &RenderOptions) -> u32 {
     match options.clamp {
