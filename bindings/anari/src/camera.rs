@@ -63,6 +63,7 @@ impl View {
             projection,
             radius: lens("apertureRadius", 0.0),
             focus: lens("focusDistance", 1.0).max(f32::MIN_POSITIVE),
+            shift: [0.0; 2],
         };
         let region = now.floats("imageRegion", &[types::FLOAT32_BOX2, types::FLOAT32_VEC4]);
         Ok(Self {

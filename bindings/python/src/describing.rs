@@ -265,6 +265,7 @@ pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
             aperture: given.number("aperture", 0.0, MOST)?.unwrap_or(0.0) as f32,
             focus: given.number("focus", f64::from(f32::MIN_POSITIVE), MOST)?.map(|focus| focus as f32),
         },
+        shift: given.numbers("shift")?.unwrap_or([0.0; 2]),
         ..Camera::default()
     };
     if camera.frame().is_none() {

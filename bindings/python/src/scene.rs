@@ -48,6 +48,7 @@ struct CameraRow {
     fov: f32,
     projection: String,
     view_height: Option<f32>,
+    shift: [f32; 2],
     aperture: f32,
     focus: Option<f32>,
 }
@@ -372,6 +373,7 @@ impl Scene {
                     Projection::Orthographic { height } => Some(height),
                     _ => None,
                 },
+                shift: camera.shift,
                 aperture: camera.lens.aperture,
                 focus: camera.lens.focus,
             };

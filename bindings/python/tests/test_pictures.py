@@ -242,9 +242,22 @@ def test_lenses_and_projections(tmp_path):
         ({"aperture": -1}, "aperture"),
         ({"focus": 0}, "focus"),
         ({"fov": 200}, "angle of view"),
+        ({"lens": 35, "fov": 40}, "lens: conflicts with fov"),
+        ({"lens": 0}, "lens: expected a focal length"),
+        ({"shift": (0, 2000)}, "shift is"),
+        ({"shift": (0, 0.1), "projection": "panorama"}, "a panorama has no shift"),
     ):
         with pytest.raises(ValueError, match=message):
             scene.add_camera(gnurt.Camera((0, 0, 5), (0, 0, 0), **wrong))
+    with pytest.raises(TypeError, match="shift: expected 2 finite numbers"):
+        scene.add_camera(gnurt.Camera((0, 0, 5), (0, 0, 0), shift=(1, 2, 3)))
+    # A focal length of half the sensor's height is an angle of 90 degrees.
+    shifted = gnurt.Camera((0.5, 0.5, 2), (0.5, 0.5, 0), lens=12, sensor=24, shift=(0.25, -0.125))
+    assert abs(shifted.fov - 90) < 1e-6 and "shift=(0.25, -0.125)" in repr(shifted)
+    at = scene.render(41, 41, integrator="eyelight", spp=1, camera=shifted, layers=["position"])["P"][20, 20]
+    assert np.abs(at - (1.0, 0.25, 1)).max() < 2 / 41, f"the middle shows what is a quarter of 2 to the right: {at}"
+    scene.add_camera(shifted)
+    assert scene.cameras[-1] == shifted
     with pytest.raises(ValueError, match="shutter: .*at=SECONDS"):
         scene.render(8, 8, shutter=1)
     wind = gnurt.load("builtin:wind")

@@ -41,6 +41,7 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
             ("--fov", view.fov.is_some()),
             ("--projection", view.projection.is_some()),
             ("--view-height", view.view_height.is_some()),
+            ("--shift", view.shift.is_some()),
             ("--aperture", view.aperture.is_some()),
             ("--focus", view.focus.is_some()),
         ];
@@ -256,8 +257,12 @@ fn replaced(camera: &Camera, view: &ViewArguments) -> Result<Camera, Failure> {
             aperture: view.aperture.unwrap_or(camera.lens.aperture),
             focus: view.focus.or(camera.lens.focus),
         },
+        shift: view.shift.unwrap_or(camera.shift),
         ..camera.clone()
     };
+    if view.shift.is_none() && !replaced.projection.is_flat() {
+        replaced.shift = [0.0; 2];
+    }
     let retained = match camera.projection {
         Projection::Orthographic { height } => Some(height),
         _ => None,

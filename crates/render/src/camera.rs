@@ -41,6 +41,7 @@ impl SceneCamera {
                 projection: camera_projection,
                 radius: camera.lens.aperture / 2.0,
                 focus: camera.focus_distance(),
+                shift: camera.shift,
             })
         })
     }
@@ -71,6 +72,7 @@ impl SceneCamera {
             projection: camera_projection,
             radius: interval.mix(from.radius, to.radius),
             focus: interval.mix(from.focus, to.focus),
+            shift: std::array::from_fn(|k| interval.mix(from.shift[k], to.shift[k])),
         })
     }
 

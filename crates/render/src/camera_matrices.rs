@@ -42,8 +42,9 @@ fn ndc([x, y, z]: [[f64; 4]; 3], camera: &Camera, aspect: f64) -> Option<[[f64; 
         Projection::Fisheye | Projection::Panorama => return None,
     };
     let half_width = half_height * aspect;
-    let across = std::array::from_fn(|i| 0.5 * (x[i] / half_width + last[i]));
-    let down = std::array::from_fn(|i| 0.5 * (last[i] - y[i] / half_height));
+    let [aside, above] = camera.shift.map(f64::from);
+    let across = std::array::from_fn(|i| 0.5 * (x[i] / half_width + last[i]) - aside / aspect * last[i]);
+    let down = std::array::from_fn(|i| 0.5 * (last[i] - y[i] / half_height) + above * last[i]);
     Some([across, down, z, last])
 }
 
@@ -74,6 +75,13 @@ mod tests {
         assert!(
             (corner[0] - 1.0).abs() < 1e-6 && (corner[1] - 1.0).abs() < 1e-6,
             "the lower right corner: {corner:?}"
+        );
+        let shifted = Camera { shift: [0.5, -0.25], ..camera.clone() };
+        let shifted = CameraMatrices::new(&shifted, 2.0).expect("a view").ndc_from_world.expect("a matrix");
+        let corner = apply(&shifted, [1.0 + 8.0, 2.0 - 4.0, -1.0]).map(|x| x / 4.0);
+        assert!(
+            (corner[0] - 0.75).abs() < 1e-6 && (corner[1] - 0.75).abs() < 1e-6,
+            "half a height to the right is a quarter of the width: {corner:?}"
         );
 
         let projection = Projection::Orthographic { height: 8.0 };

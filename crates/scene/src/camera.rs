@@ -11,7 +11,7 @@ pub struct Camera {
     pub name: String,
     /// Where the pinhole, or the middle of the lens, is.
     pub eye: [f32; 3],
-    /// A point in the middle of the picture.
+    /// A point in the middle of the picture, where that is not shifted.
     pub target: [f32; 3],
     /// The up direction; it need not be perpendicular to the view.
     pub up: [f32; 3],
@@ -21,6 +21,9 @@ pub struct Camera {
     pub projection: Projection,
     /// The lens.
     pub lens: Lens,
+    /// From the view to the middle of the picture, to the right and up, in heights of the picture: of perspective and orthographic
+    /// cameras.
+    pub shift: [f32; 2],
 }
 
 impl Default for Camera {
@@ -34,6 +37,7 @@ impl Default for Camera {
             fov_y: 45.0,
             projection: Projection::default(),
             lens: Lens::default(),
+            shift: [0.0; 2],
         }
     }
 }
@@ -60,6 +64,12 @@ pub enum Projection {
 impl Projection {
     /// The words of all of them, as files and options have them.
     pub const NAMES: [&str; 4] = ["perspective", "orthographic", "fisheye", "panorama"];
+
+    /// Whether pictures lie on a plane, and so may be [shifted](Camera::shift).
+    #[must_use]
+    pub fn is_flat(self) -> bool {
+        matches!(self, Self::Perspective | Self::Orthographic { .. })
+    }
 }
 
 impl fmt::Display for Projection {
@@ -97,6 +107,9 @@ pub struct Frame {
 }
 
 impl Camera {
+    /// The largest shift, in heights of the picture.
+    pub const MOST_SHIFT: f32 = 1000.0;
+
     /// Distance from the eye to the focus surface.
     #[must_use]
     pub fn focus_distance(&self) -> f32 {
@@ -137,6 +150,12 @@ impl Camera {
             }
             _ if !(focus > 0.0 && focus.is_finite()) => {
                 Some(format!("its distance of focus is {focus}: it must be above 0"))
+            }
+            _ if !self.shift.iter().all(|x| x.abs() <= Self::MOST_SHIFT) => {
+                Some(format!("its shift is {:?}: at most {} heights", self.shift, Self::MOST_SHIFT))
+            }
+            _ if self.shift != [0.0; 2] && !self.projection.is_flat() => {
+                Some(format!("a {} has no shift", self.projection))
             }
             _ => None,
         }
@@ -199,7 +218,7 @@ mod tests {
             camera.fault()
         };
         assert_eq!(fault(|_| ()), None, "the default is sound");
-        let bad: [fn(&mut Camera); 9] = [
+        let bad: [fn(&mut Camera); 12] = [
             |c| c.eye = c.target,
             |c| c.eye[0] = f32::NAN,
             |c| c.fov_y = 180.0,
@@ -209,6 +228,9 @@ mod tests {
             |c| c.lens.aperture = -1.0,
             |c| c.lens.aperture = f32::NAN,
             |c| c.lens.focus = Some(0.0),
+            |c| c.shift[0] = f32::NAN,
+            |c| c.shift[1] = -1001.0,
+            |c| (c.projection, c.shift) = (Projection::Panorama, [0.0, 0.1]),
         ];
         for (i, bad) in bad.into_iter().enumerate() {
             assert!(fault(bad).is_some(), "fault {i}");

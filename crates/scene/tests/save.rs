@@ -138,11 +138,13 @@ fn cameras_of_all_kinds_come_back() {
         Projection::Panorama,
     ];
     for projection in projections {
-        scene.add_camera(Camera { projection, lens, ..scene.cameras()[0].clone() });
+        let shift = if projection.is_flat() { [0.25, -1.5] } else { [0.0; 2] };
+        scene.add_camera(Camera { projection, lens, shift, ..scene.cameras()[0].clone() });
     }
     let back = there_and_back(&scene, "a.gltf");
     for (before, after) in scene.cameras().iter().zip(back.cameras()) {
-        assert_eq!((before.projection, before.lens), (after.projection, after.lens), "{before:?}");
+        let rest = |camera: &Camera| (camera.projection, camera.lens, camera.shift);
+        assert_eq!(rest(before), rest(after), "{before:?}");
         let reads_angle = matches!(before.projection, Projection::Perspective | Projection::Fisheye);
         assert!(!reads_angle || (before.fov_y - after.fov_y).abs() < 1e-4, "{after:?}");
     }

@@ -33,9 +33,22 @@ pub struct ProjectiveCamera {
     pub radius: f32,
     /// Distance of the focus, world units.
     pub focus: f32,
+    /// From the view to the middle of the picture, to the right and up, in heights of the picture: of perspective and parallel
+    /// projections.
+    pub shift: [f32; 2],
 }
 
 impl ProjectiveCamera {
+    /// From the view to the middle of the picture, as positions of [`straight`](Self::straight) are.
+    fn aside(&self, aspect: f32) -> [f32; 2] {
+        match self.projection {
+            CameraProjection::Perspective { .. } | CameraProjection::Parallel { .. } => {
+                [2.0 * self.shift[0] / aspect, 2.0 * self.shift[1]]
+            }
+            CameraProjection::Fisheye { .. } | CameraProjection::Panorama => [0.0; 2],
+        }
+    }
+
     /// The ray of a position in the picture, (-1, -1) = lower left corner, (1, 1) = upper right one, through
     /// the middle of the lens; and the distance of the focus on it. No direction outside of the image circle.
     fn straight(&self, [x, y]: [f32; 2], aspect: f32) -> (Ray, f32) {
@@ -89,13 +102,15 @@ impl ProjectiveCamera {
     /// Rays of a pinhole's perspective, which are most of all: by whole arrays.
     fn pinhole(&self, half_height: f32, positions: &[[f32; 2]], aspect: f32, out: &mut RayBatch) {
         let (right, up) = (self.right * (half_height * aspect), self.up * half_height);
+        let [across, above] = self.aside(aspect);
+        let forward = self.forward + right * across + up * above;
         let first = out.len();
         let end = first + positions.len();
         let [dx, dy, dz] = &mut out.dir;
         [&mut *dx, &mut *dy, &mut *dz].into_iter().for_each(|array| array.resize(end, 0.0));
         let dirs = dx[first..].iter_mut().zip(&mut dy[first..]).zip(&mut dz[first..]);
         for (((dx, dy), dz), [x, y]) in dirs.zip(positions) {
-            let dir = self.forward + right * (2.0 * x - 1.0) + up * (2.0 * y - 1.0);
+            let dir = forward + right * (2.0 * x - 1.0) + up * (2.0 * y - 1.0);
             [*dx, *dy, *dz] = dir.normalize().into();
         }
         out.org.iter_mut().zip(self.eye.to_array()).for_each(|(array, x)| array.resize(end, x));
@@ -131,7 +146,9 @@ impl CameraShader for ProjectiveCamera {
             }
             CameraProjection::Panorama => [x.atan2(z) / PI, (y / offset.length()).asin() / FRAC_PI_2],
         };
-        project.iter().all(|x| x.is_finite()).then(|| project.map(|x| 0.5 + 0.5 * x))
+        let aside = self.aside(aspect);
+        let shown = [0, 1].map(|k| 0.5 + 0.5 * (project[k] - aside[k]));
+        shown.iter().all(|x| x.is_finite()).then_some(shown)
     }
 
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
@@ -140,8 +157,10 @@ impl CameraShader for ProjectiveCamera {
         {
             return self.pinhole(half_height, samples.positions, aspect, out);
         }
+        let [across, above] = self.aside(aspect);
         for (i, project) in samples.positions.iter().enumerate() {
-            let (ray, focus) = self.straight(project.map(|x| 2.0 * x - 1.0), aspect);
+            let [x, y] = project.map(|x| 2.0 * x - 1.0);
+            let (ray, focus) = self.straight([x + across, y + above], aspect);
             let is_visible = ray.dir != [0.0; 3];
             let bent = self.has_lens() && is_visible;
             out.push(if bent { self.through_lens(ray, focus, samples.lens(i)) } else { ray });
@@ -159,7 +178,8 @@ mod tests {
 
     fn camera(projection: CameraProjection, radius: f32) -> ProjectiveCamera {
         let (eye, focus) = (Vec3::new(1.0, 2.0, 3.0), 4.0);
-        ProjectiveCamera { eye, right: Vec3::X, up: Vec3::Y, forward: Vec3::NEG_Z, projection, radius, focus }
+        let (right, up, forward) = (Vec3::X, Vec3::Y, Vec3::NEG_Z);
+        ProjectiveCamera { eye, right, up, forward, projection, radius, focus, shift: [0.0; 2] }
     }
 
     const PROJECTIONS: [CameraProjection; 4] = [
@@ -253,6 +273,25 @@ mod tests {
                     Vec3::from(middle.dir).distance(dir) < 1e-6,
                     "{projection:?}: its middle is a pinhole"
                 );
+            }
+        }
+    }
+
+    /// A shifted picture is another part of the same image.
+    #[test]
+    fn shifts_show_another_part() {
+        for (projection, radius) in [(PROJECTIONS[0], 0.0), (PROJECTIONS[0], 0.5), (PROJECTIONS[1], 0.0)] {
+            let plain = camera(projection, radius);
+            let shifted = ProjectiveCamera { shift: [0.5, -0.25], ..plain };
+            for [x, y] in [[0.5, 0.5], [0.2, 0.9], [1.0, 0.0]] {
+                let found = rays(&shifted, &[[x, y]], &[], 1.25)[0];
+                let expected = rays(&plain, &[[x + 0.5 / 1.25, y - 0.25]], &[], 1.25)[0];
+                let off = Vec3::from(found.dir).distance(expected.dir.into());
+                let aside = Vec3::from(found.org).distance(expected.org.into());
+                assert!(off.max(aside) < 1e-5, "{projection:?}: {found:?}, not {expected:?}");
+                let p = Vec3::from(found.org) + 3.5 * Vec3::from(found.dir);
+                let [u, v] = shifted.project(p, 1.25).expect("it is seen");
+                assert!((u - x).hypot(v - y) < 1e-5, "{projection:?}: {x}, {y} shows at {u}, {v}");
             }
         }
     }

@@ -38,12 +38,9 @@ impl Builder<'_> {
                 false => Projection::Perspective,
             },
             lens: Lens { aperture: aperture as f32, focus: (focus > 0.0).then_some(focus as f32) },
+            shift: ["horizontalApertureOffset", "verticalApertureOffset"]
+                .map(|name| (number(name, 0.0) / vertical) as f32),
         };
-        for name in ["horizontalApertureOffset", "verticalApertureOffset"] {
-            if number(name, 0.0) != 0.0 {
-                reader.unsupported(prim, name);
-            }
-        }
         if reader
             .value(prim, "clippingPlanes")
             .as_ref()

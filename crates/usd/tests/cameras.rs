@@ -14,6 +14,8 @@ def Camera "C" {
     float focalLength = 10
     float focusDistance = 4
     float fStop = 2
+    float horizontalApertureOffset = 5
+    float verticalApertureOffset = -10
     double3 xformOp:translate = (1, 2, 3)
     uniform token[] xformOpOrder = ["xformOp:translate"]
 }
@@ -29,6 +31,7 @@ def Scope "Render" {
     assert!((camera.fov_y - 90.0).abs() < 1e-4, "{}", camera.fov_y);
     assert!((camera.lens.aperture - 0.5).abs() < 1e-6, "a tenth of 10 over 2: {:?}", camera.lens);
     assert_eq!(camera.lens.focus, Some(4.0));
+    assert_eq!((camera.shift, parallel.shift), ([0.25, -0.5], [0.0; 2]), "in heights of the aperture");
     assert_eq!(parallel.projection, Projection::Orthographic { height: 3.0 });
     let labels = loaded.scene.labels();
     assert_eq!(

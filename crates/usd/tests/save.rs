@@ -26,6 +26,7 @@ fn scene() -> Scene {
         eye: [0.0, 1.0, 5.0],
         target: [0.0, 1.0, 0.0],
         fov_y: 33.0,
+        shift: [0.25, -0.5],
         ..Camera::default()
     });
     scene.add_light(Light::Point { position: [1.0, 2.0, 3.0], intensity: [4.0, 5.0, 6.0] });
@@ -70,6 +71,7 @@ fn both_forms_come_back() {
         }
         let (a, b) = (&before.cameras()[0], &after.cameras()[0]);
         assert!((a.fov_y - b.fov_y).abs() < 1e-3 && a.eye == b.eye, "{name}: {b:?}");
+        assert!(a.shift.iter().zip(b.shift).all(|(a, b)| (a - b).abs() < 1e-5), "{name}: {:?}", b.shift);
         let [
             Light::Point { intensity, .. },
             Light::Directional { direction, irradiance },

@@ -21,6 +21,9 @@ pub fn camera_options(camera: &Camera) -> String {
         Projection::Fisheye => write!(options, " --projection fisheye --fov {}", camera.fov_y),
         Projection::Panorama => write!(options, " --projection panorama"),
     };
+    if camera.shift != [0.0; 2] {
+        let _ = write!(options, " --shift {},{}", camera.shift[0], camera.shift[1]);
+    }
     if camera.lens.aperture > 0.0 {
         let _ = write!(options, " --aperture {}", camera.lens.aperture);
         if let Some(focus) = camera.lens.focus {
@@ -41,9 +44,11 @@ mod tests {
         assert_eq!(camera_options(&camera), "--eye 0,0,0 --target 0,0,-1 --up 0,1,0 --fov 45");
         let projection = Projection::Orthographic { height: 2.5 };
         let lens = Lens { aperture: 0.25, focus: Some(3.0) };
-        let all = camera_options(&Camera { projection, lens, ..camera });
+        let all = camera_options(&Camera { projection, lens, shift: [0.5, -0.25], ..camera });
         assert!(
-            all.ends_with("--projection orthographic --view-height 2.5 --aperture 0.25 --focus 3"),
+            all.ends_with(
+                "--projection orthographic --view-height 2.5 --shift 0.5,-0.25 --aperture 0.25 --focus 3"
+            ),
             "{all}"
         );
     }

@@ -3,6 +3,7 @@
 
 import errno
 import logging
+import math
 import os
 import sys
 import time
@@ -22,25 +23,39 @@ class Camera:
 
     `projection` is "perspective", "orthographic" (which shows `view_height` world units), "fisheye" or "panorama". `aperture` is the
     diameter of its lens in world units, 0 for a pinhole; what is in `focus` is that far away, or as far as the target.
+
+    `lens` is a focal length in place of the angle, for a sensor that is `sensor` high: both in millimetres. `shift` is from the view to
+    the middle of the picture, to the right and up, in heights of the picture: of perspective and orthographic cameras.
     """
 
-    __slots__ = ("aperture", "eye", "focus", "fov", "name", "projection", "target", "up", "view_height")
+    __slots__ = ("aperture", "eye", "focus", "fov", "name", "projection", "shift", "target", "up", "view_height")
 
     def __init__(
         self,
         eye,
         target,
         up=(0.0, 1.0, 0.0),
-        fov=40.0,
+        fov=None,
         name="",
         *,
         projection="perspective",
         view_height=None,
         aperture=0.0,
         focus=None,
+        shift=(0.0, 0.0),
+        lens=None,
+        sensor=24.0,
     ):
+        if lens is not None:
+            if fov is not None:
+                raise ValueError("lens: conflicts with fov; give one of them")
+            if not (lens > 0 and sensor > 0):
+                raise ValueError(f"lens: expected a focal length and a sensor above 0, not {lens!r} and {sensor!r}")
+            fov = math.degrees(2 * math.atan(sensor / (2 * lens)))
+        fov = 40.0 if fov is None else fov
         self.eye, self.target, self.up, self.fov, self.name = tuple(eye), tuple(target), tuple(up), fov, name
         self.projection, self.view_height, self.aperture, self.focus = projection, view_height, aperture, focus
+        self.shift = tuple(shift)
 
     def _arguments(self):
         return {name: getattr(self, name) for name in self.__slots__}
@@ -51,7 +66,7 @@ class Camera:
     __hash__ = None
 
     def __repr__(self):
-        more = {"projection": "perspective", "view_height": None, "aperture": 0.0, "focus": None}
+        more = {"projection": "perspective", "view_height": None, "aperture": 0.0, "focus": None, "shift": (0.0, 0.0)}
         more = [f", {name}={getattr(self, name)!r}" for name, usual in more.items() if getattr(self, name) != usual]
         first = f"eye={self.eye}, target={self.target}, up={self.up}, fov={self.fov}, name={self.name!r}"
         return f"Camera({first}{''.join(more)})"

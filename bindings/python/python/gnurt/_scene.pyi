@@ -20,18 +20,22 @@ class Camera:
     view_height: float | None
     aperture: float
     focus: float | None
+    shift: tuple[float, ...]
     def __init__(
         self,
         eye: Sequence[float],
         target: Sequence[float],
         up: Sequence[float] = (0.0, 1.0, 0.0),
-        fov: float = 40.0,
+        fov: float | None = None,
         name: str = "",
         *,
         projection: Literal["perspective", "orthographic", "fisheye", "panorama"] = "perspective",
         view_height: float | None = None,
         aperture: float = 0.0,
         focus: float | None = None,
+        shift: Sequence[float] = (0.0, 0.0),
+        lens: float | None = None,
+        sensor: float = 24.0,
     ) -> None: ...
     def __eq__(self, other: object) -> bool: ...
     __hash__: None  # type: ignore[assignment]

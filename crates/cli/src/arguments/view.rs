@@ -154,6 +154,9 @@ pub(crate) struct ViewArguments {
     /// Height of an orthographic camera's view [default: the perspective's height at the target]
     #[arg(hide_short_help = true, long, value_name = "UNITS", value_parser = value::length, allow_hyphen_values = true)]
     pub(crate) view_height: Option<f32>,
+    /// From the view to the middle of the picture, right and up, in heights of the picture
+    #[arg(hide_short_help = true, long, value_name = "X,Y", value_parser = value::shift, allow_hyphen_values = true)]
+    pub(crate) shift: Option<[f32; 2]>,
     /// Diameter of the lens, for depth of field; 0 = pinhole
     #[arg(hide_short_help = true, long, value_name = "UNITS", value_parser = value::aperture, allow_hyphen_values = true)]
     pub(crate) aperture: Option<f32>,

@@ -171,6 +171,7 @@ pub(super) fn cameras(scene: &Scene) -> Vec<Value> {
             "up": camera.up,
             "fov_y": camera.fov_y,
             "height": height,
+            "shift": camera.shift,
             "aperture": camera.lens.aperture,
             "focus": camera.focus_distance(),
         })

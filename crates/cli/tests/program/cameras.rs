@@ -89,6 +89,7 @@ fn projections_and_lenses_are_options() {
         "--projection orthographic --view-height 9",
         "--projection fisheye --fov 220",
         "--projection panorama",
+        "--shift 0.25,0",
         "--aperture 2 --focus 2.5 --spp 4",
     ] {
         render(&folder, &format!("{view} {change} -o changed.pfm"));
@@ -101,6 +102,9 @@ fn projections_and_lenses_are_options() {
         ("--projection cube", "panorama"),
         ("--projection perspektive", "did you mean"),
         ("--aperture -1", "0 or above"),
+        ("--shift 1", "two numbers"),
+        ("--shift 0,2000", "1000"),
+        ("--shift 0,1 --projection panorama", "no shift"),
     ] {
         let run = folder.gnurt(&format!("render a.obj {view} {wrong} -o p.png"));
         assert_eq!(run.status, Some(2), "{wrong}: {}", run.stderr);

@@ -91,7 +91,7 @@ fn looking(values: &Values, projection: CameraProjection) -> Option<ProjectiveCa
     let (radius, focus) = (values.float(3) / 2.0, values.float(4));
     let focus = if focus == 0.0 { eye.distance(target) } else { focus };
     let good = radius >= 0.0 && radius.is_finite() && focus > 0.0 && focus.is_finite();
-    good.then_some(ProjectiveCamera { eye, right, up, forward, projection, radius, focus })
+    good.then_some(ProjectiveCamera { eye, right, up, forward, projection, radius, focus, shift: [0.0; 2] })
 }
 
 /// A camera that sees nothing: its rays have no direction.

@@ -170,6 +170,12 @@ fn write_camera(camera: &Camera, text: &mut Text) {
     text.line(format_args!("float horizontalAperture = {}", 1.5 * height));
     text.line(format_args!("float focalLength = {focal}"));
     text.line(format_args!("float focusDistance = {focus}"));
+    for (name, shift) in ["horizontalApertureOffset", "verticalApertureOffset"].into_iter().zip(camera.shift)
+    {
+        if shift != 0.0 {
+            text.line(format_args!("float {name} = {}", height * shift));
+        }
+    }
     if camera.lens.aperture > 0.0 {
         text.line(format_args!("float fStop = {}", focal / 10.0 / camera.lens.aperture));
     }

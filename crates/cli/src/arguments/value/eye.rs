@@ -2,7 +2,7 @@
 //! Values for the eye's position, and its camera. See docs/reference/cli.md. Tests: `tests` of
 //! `value/mod.rs`.
 
-use gnurt::scene::Projection;
+use gnurt::scene::{Camera, Projection};
 
 use super::plain::{by_name, list, number};
 
@@ -57,6 +57,16 @@ pub(crate) fn length(text: &str) -> Result<f32, String> {
 pub(crate) fn aperture(text: &str) -> Result<f32, String> {
     let diameter = number(text)?;
     if diameter >= 0.0 { Ok(diameter) } else { Err("give a diameter of 0 or above".into()) }
+}
+
+/// Two heights of the picture.
+pub(crate) fn shift(text: &str) -> Result<[f32; 2], String> {
+    let shift: [f32; 2] = list(text, "give two numbers like 0,0.25")?;
+    if shift.iter().all(|x| x.abs() <= Camera::MOST_SHIFT) {
+        Ok(shift)
+    } else {
+        Err(format!("give two numbers from -{0} to {0}", Camera::MOST_SHIFT))
+    }
 }
 
 /// Degrees, in both directions.

@@ -20,7 +20,7 @@ pub(crate) use display_values::{
     DenoiserChoice, ExposureChoice, bits, compression, denoiser, display, exposure, filter, quality,
     tile_size, tone, working_space,
 };
-pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
+pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, shift, turn};
 pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};
 pub(crate) use gain::gain;
 pub(crate) use layers::layers;

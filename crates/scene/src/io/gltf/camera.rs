@@ -36,6 +36,12 @@ pub(super) fn described(
     let least = f64::from(f32::MIN_POSITIVE);
     camera.lens = Lens { aperture: number("aperture", 0.0).unwrap_or(0.0), focus: number("focus", least) };
     let angle = number("fov", least);
+    if let Some(value) = extras.get("shift") {
+        match serde_json::from_value(value.clone()) {
+            Ok(shift) => camera.shift = shift,
+            Err(_) => complain(format!("{name}: extras.shift is {value}, not a list of two numbers")),
+        }
+    }
     match extras.get("projection") {
         None => {}
         Some(Value::String(projection_name)) if *projection_name == plain.projection.to_string() => {}

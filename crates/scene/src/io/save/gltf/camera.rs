@@ -34,6 +34,9 @@ pub(super) fn camera(camera: &Camera) -> Value {
         // The format has no target, and therefore no default focus.
         extras.insert("focus".into(), json!(camera.focus_distance()));
     }
+    if camera.shift != [0.0; 2] {
+        extras.insert("shift".into(), json!(camera.shift));
+    }
     if !extras.is_empty() {
         out["extras"] = Value::Object(extras);
     }
