@@ -287,6 +287,10 @@ impl Stage {
         }
         if let Some(motion) = &view.motion {
             shown.move_along(motion, &mut exposure)?;
+            if motion.cameras.len() > 1 {
+                // Rays have times only where something moves; no camera of the scene has this number.
+                exposure.cameras.push((CameraId(u32::MAX), motion.cameras.clone()));
+            }
         }
         // A camera of the scene moves with it.
         let camera = number.map_or(camera, |number| shown.scene.cameras()[number].clone());

@@ -351,6 +351,19 @@ def test_meshes_bend():
             shown(motion, **properties)
 
 
+def test_a_camera_that_moves_alone_blurs():
+    scene = red_cube()
+    scene.add_light("environment", radiance=1)
+    aside = gnurt.Camera(eye=(1.5, 0.5, 4), target=(1.5, 0.5, 0), fov=40)
+    back = np.eye(4)
+    back[0, 3] = -1
+    options = {"spp": 64, "camera": FRONT}
+    seen, moved, still = (
+        np.asarray(scene.render(32, 24, motion=motion, **options)) for motion in ({"cameras": [FRONT, aside]}, {"instances": {0: [np.eye(4), back]}}, None)
+    )
+    assert np.abs(seen - moved).mean() < 0.01 and np.abs(seen - still).mean() > 0.05
+
+
 def test_the_working_space(tmp_path):
     import pickle
 
