@@ -4,9 +4,12 @@
 
 use glam::Vec3;
 use gnurt::accel::RayBatch;
+use gnurt::scene::Affine;
 use gnurt::shading::{CameraProjection, CameraSamples, CameraShader, ProjectiveCamera};
 
+use crate::motion::{self, Motion, Shutter};
 use crate::object::Object;
+use crate::transforms::{linear, point};
 use crate::types;
 
 /// A camera.
@@ -16,6 +19,8 @@ pub(crate) struct View {
     aspect: Option<f32>,
     near: Option<f32>,
     far: Option<f32>,
+    pub(crate) shutter: Shutter,
+    motion: Option<Motion>,
 }
 
 impl View {
@@ -65,6 +70,8 @@ impl View {
             focus: lens("focusDistance", 1.0).max(f32::MIN_POSITIVE),
             shift: [0.0; 2],
         };
+        let shutter = motion::shutter(&now)?;
+        let motion = Motion::of(&now);
         let region = now.floats("imageRegion", &[types::FLOAT32_BOX2, types::FLOAT32_VEC4]);
         Ok(Self {
             inner,
@@ -72,7 +79,22 @@ impl View {
             aspect: now.f32("aspect").filter(|aspect| *aspect > 0.0 && aspect.is_finite()),
             near: now.f32("near").filter(|near| *near > 0.0),
             far: now.f32("far").filter(|far| *far > 0.0),
+            shutter,
+            motion,
         })
+    }
+
+    /// Whether it moves while the shutter is open.
+    pub(crate) fn moves(&self) -> bool {
+        self.motion.is_some() && self.shutter[0] < self.shutter[1]
+    }
+
+    /// The camera at a share of the time that the shutter is open.
+    fn at(&self, share: f32) -> ProjectiveCamera {
+        match &self.motion {
+            Some(motion) => moved(&self.inner, &motion.at(motion::time_at(self.shutter, share))),
+            None => self.inner,
+        }
     }
 
     /// The ray through a place of the frame, (0, 0) its lower left corner, and the middle of the lens.
@@ -88,17 +110,22 @@ impl CameraShader for View {
         let [left, low, right, high] = self.region;
         let within = |&[x, y]: &[f32; 2]| [left + (right - left) * x, low + (high - low) * y];
         let positions: Vec<[f32; 2]> = samples.positions.iter().map(within).collect();
-        let first = out.len();
-        self.inner.rays(
-            &CameraSamples { positions: &positions, ..*samples },
-            self.aspect.unwrap_or(aspect),
-            out,
-        );
+        let (first, aspect) = (out.len(), self.aspect.unwrap_or(aspect));
+        if self.moves() {
+            for i in 0..samples.len() {
+                let lens = samples.lens.get(i..=i).unwrap_or(&[]);
+                let one = CameraSamples { positions: &positions[i..=i], lens, times: &[] };
+                self.at(samples.time(i)).rays(&one, aspect, out);
+            }
+        } else {
+            self.at(0.5).rays(&CameraSamples { positions: &positions, ..*samples }, aspect, out);
+        }
         if self.near.is_none() && self.far.is_none() {
             return;
         }
         for i in first..out.len() {
-            let cos = Vec3::from(out.get(i).dir).dot(self.inner.forward);
+            let time = if self.moves() { samples.time(i - first) } else { 0.5 };
+            let cos = Vec3::from(out.get(i).dir).dot(self.at(time).forward);
             // Planes across the view; without one for all directions, spheres.
             let scale =
                 if self.inner.projection == CameraProjection::Panorama || cos <= 0.0 { 1.0 } else { cos };
@@ -114,4 +141,12 @@ impl CameraShader for View {
     fn has_lens(&self) -> bool {
         self.inner.has_lens()
     }
+}
+
+/// A camera that a matrix takes somewhere else: its axes stay unit.
+fn moved(camera: &ProjectiveCamera, matrix: &Affine) -> ProjectiveCamera {
+    let turn = linear(matrix);
+    let forward = (turn * camera.forward).normalize_or(camera.forward);
+    let right = forward.cross(turn * camera.up).try_normalize().unwrap_or(camera.right);
+    ProjectiveCamera { eye: point(matrix, camera.eye), right, up: right.cross(forward), forward, ..*camera }
 }

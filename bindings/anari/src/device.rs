@@ -280,14 +280,8 @@ impl Device {
 
 /// Whether a parameter is one of ANARI's that the device has not: pictures would be others than the program means.
 fn is_unsupported(name: &str) -> bool {
-    const NAMES: [&str; 6] = [
-        "stereoMode",
-        "interpupillaryDistance",
-        "shutter",
-        "rollingShutterDirection",
-        "rollingShutterDuration",
-        "time",
-    ];
+    const NAMES: [&str; 5] =
+        ["stereoMode", "interpupillaryDistance", "rollingShutterDirection", "rollingShutterDuration", "time"];
     NAMES.contains(&name) || name.starts_with("motion.")
 }
 

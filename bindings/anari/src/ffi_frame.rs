@@ -35,7 +35,7 @@ fn job(device: &Device, now: &Snapshot, size: [u32; 2], formats: Formats) -> Res
     let view = View::new(camera).map_err(|fault| format!("{}: {fault}", camera.label()))?;
     let of = |object: &Object| freshness::stamp(object).rotate_left(20) ^ object.handle as u64;
     Ok(Job {
-        stage: Stage::of(world, &report),
+        stage: Stage::of(world, view.shutter, &report),
         view: Arc::new(view),
         settings: Arc::new(Settings::new(renderer)),
         size,

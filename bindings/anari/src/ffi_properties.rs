@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use crate::device::Device;
 use crate::ffi_introspection::extensions;
 use crate::frame::Frame;
+use crate::motion::MOMENT;
 use crate::object::Object;
 use crate::types::{self, DataType};
 use crate::world::Stage;
@@ -49,7 +50,7 @@ pub(crate) fn property(
         return None;
     }
     let report = |about: &Object, text: &str| device.reporter.warn(about, text);
-    let corners = Stage::of(object, &report).bounds()?;
+    let corners = Stage::of(object, MOMENT, &report).bounds()?;
     Some(corners.as_flattened().iter().flat_map(|x| x.to_ne_bytes()).collect())
 }
 

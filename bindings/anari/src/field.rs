@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Spatial fields: values at the points of a regular grid, and between them.
-//! Source: ANARI 1.1, KHR_SPATIAL_FIELD_STRUCTURED_REGULAR: the first point is the origin. Space: object. Tests: tests/volumes.rs.
+//! Source: ANARI 1.1, KHR_SPATIAL_FIELD_STRUCTURED_REGULAR: the first point is the origin; KHR_SPATIAL_FIELD_NANOVDB. Cubic interpolation
+//! is Catmull's and Rom's. Space: object. Tests: tests/volumes.rs.
 
 use crate::ffi_array::Array;
-use crate::object::Object;
+use crate::nanovdb;
+use crate::object::{Object, Snapshot};
 use crate::types;
 
 /// A field.
@@ -14,16 +16,54 @@ pub(crate) struct Field {
     /// From point to point, greater than 0.
     pub(crate) spacing: [f32; 3],
     values: Vec<f32>,
-    linear: bool,
+    filter: Filter,
+}
+
+/// How values between points follow from theirs.
+#[derive(Clone, Copy, PartialEq)]
+enum Filter {
+    Nearest,
+    Linear,
+    Cubic,
+}
+
+impl Filter {
+    fn of(now: &Snapshot) -> Self {
+        match now.text("filter") {
+            Some("nearest") => Self::Nearest,
+            Some("cubic") => Self::Cubic,
+            _ => Self::Linear,
+        }
+    }
+}
+
+/// Weights of the points from one below a cell to one above it.
+fn cubic(x: f32) -> [f32; 4] {
+    let (xx, xxx) = (x * x, x * x * x);
+    [-xxx + 2.0 * xx - x, 3.0 * xxx - 5.0 * xx + 2.0, -3.0 * xxx + 4.0 * xx + x, xxx - xx].map(|w| w / 2.0)
 }
 
 impl Field {
     /// The field of an object; an error in words where it has no values.
     pub(crate) fn new(object: &Object) -> Result<Self, String> {
-        if object.subtype != "structuredRegular" {
-            return Err(format!("subtype '{}': unsupported; allowed: structuredRegular", object.subtype));
-        }
         let now = object.committed();
+        match object.subtype.as_str() {
+            "structuredRegular" => Self::regular(&now),
+            "nanovdb" => Self::sparse(&now),
+            other => Err(format!("subtype '{other}': unsupported; allowed: structuredRegular, nanovdb")),
+        }
+    }
+
+    /// That of a grid of NanoVDB.
+    fn sparse(now: &Snapshot) -> Result<Self, String> {
+        let array = now.object("data", types::ARRAY1D).and_then(|array| Array::of(array));
+        let array = array.ok_or("parameter 'data': missing, the field has no values")?;
+        let grid = array.with_bytes(nanovdb::dense).map_err(|fault| format!("parameter 'data': {fault}"))?;
+        let nanovdb::Dense { dims, origin, spacing, values } = grid;
+        Ok(Self { dims, origin, spacing, values, filter: Filter::of(now) })
+    }
+
+    fn regular(now: &Snapshot) -> Result<Self, String> {
         let array = now.object("data", types::ARRAY3D).and_then(|array| Array::of(array));
         let array = array.ok_or("parameter 'data': missing, the field has no values")?;
         let element = types::name(array.element);
@@ -41,7 +81,7 @@ impl Field {
             origin: now.vec3("origin").unwrap_or([0.0; 3]),
             spacing,
             values: values.into_iter().map(|value| value[0]).collect(),
-            linear: now.text("filter") != Some("nearest"),
+            filter: Filter::of(now),
         })
     }
 
@@ -67,15 +107,17 @@ impl Field {
                 return None;
             }
             let coordinate = coordinate.clamp(0.0, most);
-            if self.linear {
+            if self.filter != Filter::Nearest {
                 cell[k] = (coordinate as usize).min(self.dims[k].saturating_sub(2));
                 share[k] = coordinate - cell[k] as f32;
             } else {
                 cell[k] = (coordinate + 0.5) as usize;
             }
         }
-        if !self.linear {
-            return Some(self.voxel(cell));
+        match self.filter {
+            Filter::Nearest => return Some(self.voxel(cell)),
+            Filter::Cubic => return Some(self.smooth(cell, share)),
+            Filter::Linear => {}
         }
         let at = |x: usize, y: usize, z: usize| {
             let within = |k: usize, step: usize| (cell[k] + step).min(self.dims[k] - 1);
@@ -87,6 +129,17 @@ impl Field {
         Some(mix(plane(0), plane(1), share[2]))
     }
 
+    /// The value within a cell by the points around it; those of the border stand for those beyond.
+    fn smooth(&self, cell: [usize; 3], share: [f32; 3]) -> f32 {
+        let [xs, ys, zs] = share.map(cubic);
+        let at = |k: usize, step: usize| (cell[k] + step).saturating_sub(1).min(self.dims[k] - 1);
+        let row = |y: usize, z: usize| -> f32 {
+            (0..4).map(|i| xs[i] * self.voxel([at(0, i), at(1, y), at(2, z)])).sum()
+        };
+        let plane = |z: usize| -> f32 { (0..4).map(|j| ys[j] * row(j, z)).sum() };
+        (0..4).map(|k| zs[k] * plane(k)).sum()
+    }
+
     /// Its change per unit of space at a point of the grid, by differences.
     pub(crate) fn gradient(&self, at: [usize; 3]) -> [f32; 3] {
         std::array::from_fn(|k| {
@@ -96,5 +149,27 @@ impl Field {
             let way = (above[k] - below[k]) as f32 * self.spacing[k];
             if way > 0.0 { (self.voxel(above) - self.voxel(below)) / way } else { 0.0 }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubic_values_follow_parabolas() {
+        let square = |filter| Field {
+            dims: [6, 1, 1],
+            origin: [0.0; 3],
+            spacing: [2.0, 1.0, 1.0],
+            values: (0..6).map(|x| (x * x) as f32).collect(),
+            filter,
+        };
+        let at = |filter, x: f32| square(filter).value([2.0 * x, 0.0, 0.0]).expect("within");
+        for x in [1.25, 2.5, 3.75] {
+            assert!((at(Filter::Cubic, x) - x * x).abs() < 1e-5, "{x}");
+            assert!(at(Filter::Linear, x) > x * x + 0.1, "straight lines lie above");
+        }
+        assert_eq!((at(Filter::Cubic, 5.0), at(Filter::Nearest, 2.6)), (25.0, 9.0), "at points");
     }
 }

@@ -88,41 +88,76 @@ impl Job {
             let accumulation = Box::new(Accumulation::new(options).map_err(|error| error.to_string())?);
             let opacities = Arc::new(Opacities::new(self.pixels()));
             let layers = Layers { table: self.stage.table.clone(), opacities: opacities.clone() };
-            let world = self.stage.world(ambient, Some(Arc::new(layers)), pool)?;
+            let world = self.stage.world(ambient, Some(Arc::new(layers)), self.view.moves(), pool)?;
             (Sums::Paths { accumulation, opacities }, world)
         } else {
-            (Sums::Own(vec![[0.0; 4]; self.pixels()]), self.stage.world(ambient, None, pool)?)
+            (Sums::Own(vec![[0.0; 4]; self.pixels()]), self.stage.world(ambient, None, false, pool)?)
         };
         Ok(Growing { key: self.key, sums, world, first_hits: None, samples: 0 })
     }
 
     /// Adds a frame's samples; false where the program stopped it.
-    fn grow(&self, growing: &mut Growing, pool: &ThreadPool, stop: &AtomicBool) -> bool {
+    fn grow(&self, growing: &mut Growing, pool: &ThreadPool, stop: &AtomicBool) -> Result<bool, String> {
         let (first, more) = (growing.samples, self.settings.samples(self.accumulates));
         let whole = match &mut growing.sums {
             Sums::Paths { accumulation, .. } => {
                 accumulation.pass(&growing.world, &*self.view, more, pool, &Stop(stop))
             }
-            Sums::Own(sums) => pool.install(|| {
-                let rows = sums.par_chunks_mut(self.size[0] as usize).enumerate();
-                rows.for_each(|(row, sums)| {
-                    if !stop.load(Ordering::Relaxed) {
-                        self.add_row(&growing.world, row as u32, first..first + more, sums);
-                    }
-                });
+            Sums::Own(sums) if self.moves() => {
+                for sample in first..first + more {
+                    // Halves, quarters and so on: each number of samples is spread over the time.
+                    let share = sample.reverse_bits() as f32 / u32::MAX as f32;
+                    let world = self.stage.moment(self.settings.ambient, share, pool)?;
+                    self.add(&world, sample..sample + 1, Some(share), sums, pool, stop);
+                }
                 !stop.load(Ordering::Relaxed)
-            }),
+            }
+            Sums::Own(sums) => self.add(&growing.world, first..first + more, None, sums, pool, stop),
         };
         growing.samples += more;
-        whole
+        Ok(whole)
+    }
+
+    /// Whether something moves while the shutter is open.
+    fn moves(&self) -> bool {
+        self.stage.moves() || self.view.moves()
+    }
+
+    /// Adds samples at a share of the time that the shutter is open; false where the program stopped it.
+    fn add(
+        &self,
+        world: &World,
+        samples: std::ops::Range<u32>,
+        share: Option<f32>,
+        sums: &mut [Color],
+        pool: &ThreadPool,
+        stop: &AtomicBool,
+    ) -> bool {
+        pool.install(|| {
+            let rows = sums.par_chunks_mut(self.size[0] as usize).enumerate();
+            rows.for_each(|(row, sums)| {
+                if !stop.load(Ordering::Relaxed) {
+                    self.add_row(world, row as u32, samples.clone(), share, sums);
+                }
+            });
+            !stop.load(Ordering::Relaxed)
+        })
     }
 
     /// Adds samples of a row, counted from the top.
-    fn add_row(&self, world: &World, row: u32, samples: std::ops::Range<u32>, sums: &mut [Color]) {
+    fn add_row(
+        &self,
+        world: &World,
+        row: u32,
+        samples: std::ops::Range<u32>,
+        share: Option<f32>,
+        sums: &mut [Color],
+    ) {
         let [width, height] = self.size;
         let (table, settings) = (&*self.stage.table, &self.settings);
         let ambient = Vec3::from(settings.ambient);
         let mut rays = gnurt::accel::RayBatch::default();
+        let times: Vec<f32> = share.into_iter().cycle().take(width as usize).collect();
         for sample in samples {
             let key = |x: u32| SampleKey { pixel: row * width + x, sample, branch: 0 };
             let position = |x: u32| {
@@ -132,7 +167,7 @@ impl Job {
             let positions: Vec<[f32; 2]> = (0..width).map(position).collect();
             let lens: Vec<[f32; 2]> = (0..width).map(|x| sample_pair(0, key(x), 0, purpose::LENS)).collect();
             rays.clear();
-            let camera = CameraSamples { positions: &positions, lens: &lens, times: &[] };
+            let camera = CameraSamples { positions: &positions, lens: &lens, times: &times };
             self.view.rays(&camera, self.aspect(), &mut rays);
             for (x, sum) in sums.iter_mut().enumerate() {
                 let key = key(x as u32);
@@ -197,12 +232,14 @@ impl Job {
             Some(growing) => growing,
             None => self.begin(pool)?,
         };
-        if !self.grow(&mut growing, pool, stop) {
+        if !self.grow(&mut growing, pool, stop)? {
             return Ok(None);
         }
         let pixels = self.pixels_of(&growing, pool)?;
         if self.formats[1..].iter().any(Option::is_some) && growing.first_hits.is_none() {
-            growing.first_hits = Some(self.first_hits(&growing.world, pool));
+            let middle =
+                self.moves().then(|| self.stage.moment(self.settings.ambient, 0.5, pool)).transpose()?;
+            growing.first_hits = Some(self.first_hits(middle.as_ref().unwrap_or(&growing.world), pool));
         }
         let first_hits = growing.first_hits.as_deref().unwrap_or_default();
         let mut output = Output::new(self.size, &self.formats, &pixels, first_hits);

@@ -22,6 +22,8 @@ use crate::freshness;
 use crate::geometry::{Bounds, Geometry, Shapes, build};
 use crate::light::{Made, Sky, light};
 use crate::material::{Material, class};
+use crate::motion::{Motion, Shutter};
+use crate::movers::Movers;
 use crate::object::{Object, Snapshot, lock};
 use crate::sampler::Sampler;
 use crate::shader::{AreaLights, Surfaces};
@@ -41,15 +43,24 @@ pub(crate) struct Stage {
     scene: Scene,
     sky: Option<Sky>,
     bounds: Bounds,
+    movers: Movers,
     ready: Mutex<Option<Ready>>,
 }
 
-/// Trees and lights.
+/// Trees and lights, at the opening of the shutter.
 struct Ready {
     ambient: [f32; 3],
+    camera_moves: bool,
     scene: Scene,
     world: World,
 }
+
+/// Translations of a world for the shutters of its last cameras.
+#[derive(Default)]
+struct Stages(Mutex<Vec<Arc<Stage>>>);
+
+/// Shutters whose translations are kept.
+const MOST_STAGES: usize = 4;
 
 /// Something that may be missing, because its parameters are wrong.
 struct Maybe<T>(Option<Arc<T>>);
@@ -113,25 +124,38 @@ struct Builder<'a> {
     scene: Scene,
     sky: Option<Sky>,
     bounds: Bounds,
+    movers: Movers,
     report: Report<'a>,
 }
 
 impl Builder<'_> {
     /// Adds the surfaces, volumes and lights of a group, or of the world itself.
-    fn contents(&mut self, now: &Snapshot, instance: Instance) {
+    fn contents(&mut self, now: &Snapshot, instance: Instance, motion: Option<&Arc<Motion>>) {
         let number = self.table.instances.len() as u32;
         let (to_world, id) = (instance.world_from_object, instance.id);
         let from_world = instance.object_from_world;
         self.table.instances.push(instance);
         for surface in list(now, "surface") {
-            self.surface(&surface, number, to_world);
+            self.surface(&surface, number, to_world, motion);
         }
         for volume in list(now, "volume") {
+            if motion.is_some() {
+                (self.report)(
+                    &volume,
+                    "in a moving instance: it stands where it is in the middle of the shutter's time",
+                );
+            }
             self.volume(&volume, (to_world, from_world), id);
         }
         for object in list(now, "light") {
             if object.committed().f32("angularDiameter").is_some_and(|angle| angle > 0.0) {
                 (self.report)(&object, "parameter 'angularDiameter': shadows are sharp all the same");
+            }
+            if motion.is_some() {
+                (self.report)(
+                    &object,
+                    "in a moving instance: it stands where it is in the middle of the shutter's time",
+                );
             }
             match light(&object, &to_world, LAMP) {
                 Ok(made) => self.light(&object, made),
@@ -140,7 +164,7 @@ impl Builder<'_> {
         }
     }
 
-    fn surface(&mut self, object: &Object, instance: u32, to_world: Affine) {
+    fn surface(&mut self, object: &Object, instance: u32, to_world: Affine, motion: Option<&Arc<Motion>>) {
         let now = object.committed();
         if now.bool("visible") == Some(false) {
             return;
@@ -155,19 +179,24 @@ impl Builder<'_> {
         let surface = self.table.surfaces.len() as u32;
         for (part_number, part) in geometry.parts.iter().enumerate() {
             part.extend(&to_world, &mut self.bounds);
+            if let Some(motion) = motion {
+                self.movers.path(motion).for_each(|place| part.extend(&place, &mut self.bounds));
+            }
             let mesh = self.scene.add_mesh(part.mesh_of(MaterialId(class)));
             let shape = self.scene.add_object_of("", vec![mesh]);
             let part_number = part_number as u32;
-            let mut add = |placement: u32, world_from_object: Affine| {
+            let mut add = |placement: u32, object_from_part: Affine| {
                 self.table.targets.push(Target::Surface { surface, instance, part: part_number, placement });
-                self.scene.instantiate(shape, world_from_object);
+                let id = self.scene.instantiate(shape, to_world * object_from_part);
+                if let Some(motion) = motion {
+                    self.movers.add(id, motion, object_from_part);
+                }
             };
             match &part.placements {
-                None => add(ONCE, to_world),
-                Some(all) => all
-                    .iter()
-                    .enumerate()
-                    .for_each(|(i, placed)| add(i as u32, to_world * placed.object_from_part)),
+                None => add(ONCE, Affine::IDENTITY),
+                Some(all) => {
+                    all.iter().enumerate().for_each(|(i, placed)| add(i as u32, placed.object_from_part))
+                }
             }
         }
         let id = now.u32("id").unwrap_or(u32::MAX);
@@ -234,9 +263,13 @@ impl Builder<'_> {
     /// Adds an instance: a group once, or for each of an array of transforms.
     fn instance(&mut self, object: &Object) {
         let now = object.committed();
-        if object.subtype != "transform" {
-            return (self.report)(object, "subtype: unsupported, not shown; allowed: transform");
+        if !["transform", "motionTransform", "motionScaleRotationTranslation"].contains(&&*object.subtype) {
+            return (self.report)(
+                object,
+                "subtype: unsupported, not shown; allowed: transform, motionTransform, motionScaleRotationTranslation",
+            );
         }
+        let motion = if object.subtype == "transform" { None } else { Motion::of(&now).map(Arc::new) };
         let Some(group) = now.object("group", types::GROUP) else { return };
         let contents = group.committed();
         let array = now.object("transform", types::ARRAY1D).and_then(|array| Array::of(array)?.rows::<16>());
@@ -245,7 +278,10 @@ impl Builder<'_> {
         let each =
             NAMES.map(|name| now.object(name, types::ARRAY1D).and_then(|array| Array::of(array)?.colors()));
         for (k, matrix) in transforms.iter().enumerate() {
-            let world_from_object = affine(matrix);
+            let world_from_object = match &motion {
+                Some(motion) => self.movers.at(motion, 0.5),
+                None => affine(matrix),
+            };
             let Some(object_from_world) = world_from_object.inverse() else {
                 (self.report)(object, "parameter 'transform': no inverse, not shown");
                 continue;
@@ -256,7 +292,8 @@ impl Builder<'_> {
             });
             let id = ids.as_ref().and_then(|ids| ids.get(k)).map(|[id]| *id as u32);
             let id = id.or_else(|| now.u32("id")).unwrap_or(u32::MAX);
-            self.contents(&contents, Instance { world_from_object, object_from_world, attributes: own, id });
+            let instance = Instance { world_from_object, object_from_world, attributes: own, id };
+            self.contents(&contents, instance, motion.as_ref());
         }
     }
 }
@@ -264,19 +301,30 @@ impl Builder<'_> {
 const UNIT: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 impl Stage {
-    /// The translation of a world, or of anything that holds surfaces, as a group does, or of an instance.
-    pub(crate) fn of(object: &Object, report: Report) -> Arc<Self> {
-        object.derived(freshness::stamp(object), || Self::new(object, report))
+    /// The translation of a world, or of anything that holds surfaces, as a group does, or of an instance; for a shutter.
+    pub(crate) fn of(object: &Object, shutter: Shutter, report: Report) -> Arc<Self> {
+        let stages: Arc<Stages> = object.derived(freshness::stamp(object), Stages::default);
+        let fits = |stage: &&Arc<Self>| stage.movers.fit(shutter);
+        let known = lock(&stages.0).iter().find(fits).cloned();
+        known.unwrap_or_else(|| {
+            // Not under the lock: reports call the program.
+            let stage = Arc::new(Self::new(object, shutter, report));
+            let mut all = lock(&stages.0);
+            all.truncate(MOST_STAGES - 1);
+            all.insert(0, stage.clone());
+            stage
+        })
     }
 
-    fn new(object: &Object, report: Report) -> Self {
+    fn new(object: &Object, shutter: Shutter, report: Report) -> Self {
         let now = object.committed();
         let mut scene = Scene::new();
         for shader in 0..=class::COUNT {
             scene.add_material(Plain::of("", FirstHit::Shader(shader)));
         }
         let (table, bounds) = (Table::default(), Bounds::default());
-        let mut builder = Builder { table, scene, sky: None, bounds, report };
+        let movers = Movers::new(shutter);
+        let mut builder = Builder { table, scene, sky: None, bounds, movers, report };
         if object.kind == types::INSTANCE {
             builder.instance(object);
         } else {
@@ -284,10 +332,15 @@ impl Stage {
             let (world_from_object, object_from_world) = (Affine::IDENTITY, Affine::IDENTITY);
             let id = now.u32("id").unwrap_or(u32::MAX);
             let own = Instance { world_from_object, object_from_world, attributes: [None; FREE], id };
-            builder.contents(&now, own);
+            builder.contents(&now, own, None);
         }
-        let Builder { table, scene, sky, bounds, .. } = builder;
-        Self { table: Arc::new(table), scene, sky, bounds, ready: Mutex::default() }
+        let Builder { table, scene, sky, bounds, movers, .. } = builder;
+        Self { table: Arc::new(table), scene, sky, bounds, movers, ready: Mutex::default() }
+    }
+
+    /// Whether something moves while the shutter is open.
+    pub(crate) fn moves(&self) -> bool {
+        self.movers.move_now()
     }
 
     /// Lower and upper corner of surfaces and volumes; `None` where there are none.
@@ -303,38 +356,61 @@ impl Stage {
         ShaderTable { surfaces, pixel, ..ShaderTable::default() }
     }
 
-    /// The world that rays meet, under this light from everywhere; `pixel` shades the pixels. An error in words where trees cannot be
-    /// built.
+    /// The world that rays meet, under this light from everywhere; `pixel` shades the pixels. With `camera_moves` rays have times, also
+    /// where nothing else moves. An error in words where trees cannot be built.
     pub(crate) fn world(
         &self,
         ambient: [f32; 3],
         pixel: Option<Arc<dyn PixelShader>>,
+        camera_moves: bool,
         pool: &ThreadPool,
     ) -> Result<World, String> {
-        let taken = lock(&self.ready).take().filter(|ready| ready.ambient == ambient);
+        let ready = self.take_ready(ambient, camera_moves, pool)?;
+        // The program's other frames may show another picture of it: only the shader of pixels differs.
+        let mut world = ready.world.clone();
+        let (exposure, options) = (self.movers.exposure(camera_moves), CommitOptions::default());
+        let shown = match pixel {
+            Some(pixel) => {
+                let shaders = self.shaders(Some(pixel));
+                world.commit_exposed(&ready.scene, &exposure, &shaders, &options, pool).map(|_| world)
+            }
+            None => Ok(world),
+        };
+        *lock(&self.ready) = Some(ready);
+        shown.map_err(|error| error.to_string())
+    }
+
+    /// The same world at a share of the time that the shutter is open, where nothing moves.
+    pub(crate) fn moment(&self, ambient: [f32; 3], share: f32, pool: &ThreadPool) -> Result<World, String> {
+        let mut ready = self.take_ready(ambient, false, pool)?;
+        let mut world = ready.world.clone();
+        self.movers.pose(&mut ready.scene, share);
+        let shown = world.commit(&ready.scene, &self.shaders(None), &CommitOptions::default(), pool);
+        self.movers.pose(&mut ready.scene, 0.0);
+        *lock(&self.ready) = Some(ready);
+        shown.map(|_| world).map_err(|error| error.to_string())
+    }
+
+    /// Trees and lights, which the caller puts back.
+    fn take_ready(&self, ambient: [f32; 3], camera_moves: bool, pool: &ThreadPool) -> Result<Ready, String> {
+        let fits = |ready: &Ready| ready.ambient == ambient && ready.camera_moves == camera_moves;
+        let taken = lock(&self.ready).take().filter(fits);
         let options = CommitOptions::default();
         let ready = match taken {
             Some(ready) => ready,
             None => {
                 let mut scene = self.scene.clone();
                 self.surround(&mut scene, ambient);
+                self.movers.pose(&mut scene, 0.0);
                 let mut world = World::new();
+                let exposure = self.movers.exposure(camera_moves);
                 world
-                    .commit(&scene, &self.shaders(None), &options, pool)
+                    .commit_exposed(&scene, &exposure, &self.shaders(None), &options, pool)
                     .map_err(|error| error.to_string())?;
-                Ready { ambient, scene, world }
+                Ready { ambient, camera_moves, scene, world }
             }
         };
-        // The program's other frames may show another picture of it: only the shader of pixels differs.
-        let mut world = ready.world.clone();
-        let shown = match pixel {
-            Some(pixel) => {
-                world.commit(&ready.scene, &self.shaders(Some(pixel)), &options, pool).map(|_| world)
-            }
-            None => Ok(world),
-        };
-        *lock(&self.ready) = Some(ready);
-        shown.map_err(|error| error.to_string())
+        Ok(ready)
     }
 
     /// Adds the light from all around.

@@ -11,6 +11,7 @@ mod introspection;
 mod lifetimes;
 mod lights;
 mod materials;
+mod motion;
 mod renderers;
 mod rounds;
 mod shapes;

@@ -6,7 +6,8 @@ OVITO's Tachyon renderer shows everything half a pixel farther to the lower left
 
     OVITO_ANARI_DEVICE=gnurt LD_LIBRARY_PATH=target/release python3 bindings/anari/tests/ovito_scenes.py [--out FOLDER]
 
-Needs ovito (3.17 or later), numpy and a Vulkan driver; without them it says so and ends well.
+Needs ovito (3.17 or later), numpy, pillow and a Vulkan driver; without them it says so and ends well. With Mesa's software driver:
+VK_ICD_FILENAMES=/usr/share/vulkan/icd.d/lvp_icd.x86_64.json, and QT_QPA_PLATFORM unset.
 """
 
 import argparse
@@ -19,12 +20,13 @@ if os.environ.get("OVITO_ANARI_DEVICE") != "gnurt":
     sys.exit(0)
 try:
     import numpy as np
+    from PIL import Image
     from ovito.data import DataCollection, Particles, SimulationCell
     from ovito.pipeline import Pipeline, StaticSource
     from ovito.modifiers import ConstructSurfaceModifier, CreateBondsModifier
     from ovito.vis import OSPRayRenderer, ParticlesVis, VectorVis, Viewport, VisRTXRenderer
 except ImportError as missing:
-    print(f"SKIPPED: {missing}; pip install ovito numpy")
+    print(f"SKIPPED: {missing}; pip install ovito numpy pillow")
     sys.exit(0)
 
 SIZE = (240, 180)
@@ -89,8 +91,6 @@ SCENES = [spheres, bonds, arrows, surface, boxes, cell]
 
 
 def mask(viewport, renderer, path):
-    from PIL import Image
-
     viewport.render_image(filename=path, size=SIZE, renderer=renderer, alpha=True)
     return np.array(Image.open(path).convert("RGBA"))[..., 3] > 127
 

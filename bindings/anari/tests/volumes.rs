@@ -73,3 +73,19 @@ fn volumes_have_depth_and_number() {
         bounds.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
     assert_eq!(bounds, [-0.5, -0.5, -0.5, 0.5, 0.5, 0.5], "from the first point to the last");
 }
+
+#[test]
+fn damaged_grids_of_nanovdb_are_named() {
+    let mut set = Set::new("default");
+    let field = set.client.object(t::SPATIAL_FIELD, "nanovdb");
+    let data = set.client.array(t::UINT8, &[16], b"NanoVDB0 or less");
+    set.client.give(field, "data", t::ARRAY1D, data);
+    set.client.commit(field);
+    let volume = set.client.object(t::VOLUME, "transferFunction1D");
+    set.client.give(volume, "value", t::SPATIAL_FIELD, field);
+    set.client.commit(volume);
+    set.volume(volume);
+    set.picture([4, 4]);
+    let texts: Vec<_> = set.client.messages().into_iter().map(|message| message.text).collect();
+    assert!(texts.iter().any(|text| text.contains("'data': it ends before byte 16")), "{texts:?}");
+}

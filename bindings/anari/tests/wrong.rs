@@ -94,7 +94,7 @@ fn unknown_subtypes_are_named() {
         (t::CAMERA, "fisheye", "omnidirectional"),
         (t::SPATIAL_FIELD, "unstructured", "structuredRegular"),
         (t::LIGHT, "sun", "directional"),
-        (t::INSTANCE, "motionTransform", "transform"),
+        (t::INSTANCE, "billboard", "motionTransform"),
     ] {
         let object = client.object(kind, subtype);
         assert_says(&client, 2, &[subtype, right]);

@@ -6,6 +6,7 @@ mod entry;
 mod geometries;
 mod lights;
 mod materials;
+mod moving;
 mod scenes;
 mod views;
 

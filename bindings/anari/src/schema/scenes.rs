@@ -3,6 +3,7 @@
 
 use super::entry::{COLORS, Entry, Parameter, entry, list, number, p, truth, vector, word};
 use super::geometries::constant;
+use super::moving::{MOTIONS, motion};
 use crate::types as t;
 
 const UNIT: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -49,7 +50,11 @@ pub(super) fn entries() -> Vec<Entry> {
         p("data", &[t::ARRAY3D], "Values at the points of a grid").of(&FIELD).needed(),
         vector("origin", "point", [0.0; 3], "The first point, object space"),
         vector("spacing", "vector", [1.0; 3], "From point to point along each axis"),
-        word("filter", &["linear", "nearest"], "Values between points"),
+        word("filter", &["linear", "nearest", "cubic"], "Values between points"),
+    ];
+    let sparse = vec![
+        p("data", &[t::ARRAY1D], "A grid of NanoVDB as it lies in memory").of(&[t::UINT8]).needed(),
+        word("filter", &["linear", "nearest", "cubic"], "Values between points"),
     ];
     let surface = vec![
         p("geometry", &[t::GEOMETRY], "Shape").needed(),
@@ -72,7 +77,14 @@ pub(super) fn entries() -> Vec<Entry> {
     let attributes =
         constant().into_iter().map(|own| Parameter { name: own.name, ..each.clone().of(&COLORS) });
     let group = p("group", &[t::GROUP], "What is shown").needed();
-    let instance = [vec![transform, group, ids], attributes.collect()].concat();
+    let attributes: Vec<Parameter> = attributes.collect();
+    let of_all = [vec![group, ids], attributes].concat();
+    let instance = [vec![transform], of_all.clone()].concat();
+    let moving = |extension: &'static str, kinds: &[&'static str]| {
+        let still =
+            p("transform", &[t::FLOAT32_MAT4], "From the group to the world, without motion").or(&UNIT);
+        [vec![still], motion(extension, kinds), of_all.clone()].concat()
+    };
     let world =
         [vec![list("instance", &[t::INSTANCE], "Instances")], contents(), vec![id(INSTANCE_ID)]].concat();
     let array = || vec![];
@@ -89,6 +101,7 @@ pub(super) fn entries() -> Vec<Entry> {
             "Values on a regular grid",
             field,
         ),
+        entry(t::SPATIAL_FIELD, "nanovdb", "KHR_SPATIAL_FIELD_NANOVDB", "Values on a sparse grid", sparse),
         entry(
             t::VOLUME,
             "transferFunction1D",
@@ -99,6 +112,20 @@ pub(super) fn entries() -> Vec<Entry> {
         entry(t::SURFACE, "", "", "A geometry with a material", surface),
         entry(t::GROUP, "", "", "Surfaces, volumes and lights that go together", contents()),
         entry(t::INSTANCE, "transform", "KHR_INSTANCE_TRANSFORM", "A group put somewhere", instance),
+        entry(
+            t::INSTANCE,
+            "motionTransform",
+            "KHR_INSTANCE_MOTION_TRANSFORM",
+            "A group that moves by matrices",
+            moving("KHR_INSTANCE_MOTION_TRANSFORM", &MOTIONS[..1]),
+        ),
+        entry(
+            t::INSTANCE,
+            "motionScaleRotationTranslation",
+            "KHR_INSTANCE_MOTION_SCALE_ROTATION_TRANSLATION",
+            "A group that moves by scales, rotations and translations",
+            moving("KHR_INSTANCE_MOTION_SCALE_ROTATION_TRANSLATION", &MOTIONS[1..]),
+        ),
         entry(t::WORLD, "", "", "All that is seen", world),
     ]
 }

@@ -3,6 +3,7 @@
 //! Tests: tests/introspection.rs.
 
 use super::entry::{COLORS, Entry, Parameter, Values, entry, number, p, truth, vector, word};
+use super::moving::{MOTIONS, motion};
 use crate::types as t;
 
 fn camera(subtype: &'static str, extension: &'static str, about: &'static str, own: Vec<Parameter>) -> Entry {
@@ -15,7 +16,12 @@ fn camera(subtype: &'static str, extension: &'static str, about: &'static str, o
             .or(&[0.0, 0.0, 1.0, 1.0]),
         number("apertureRadius", 0.0, "Of the lens; 0 = all is sharp").least(0.0).by(lens),
         number("focusDistance", 1.0, "Of what is sharp").least(0.0).by(lens),
+        p("shutter", &[t::FLOAT32_BOX1], "When the shutter opens and closes")
+            .or(&[0.5; 2])
+            .by("KHR_CAMERA_SHUTTER"),
     ];
+    let all = all.into_iter().chain(motion("KHR_CAMERA_MOTION_TRANSFORMATION", &MOTIONS));
+    let all: Vec<Parameter> = all.collect();
     entry(t::CAMERA, subtype, extension, about, [all, own].concat())
 }
 
