@@ -195,6 +195,9 @@ class GnurtEngine(bpy.types.RenderEngine):
 
     def view_update(self, context, depsgraph):
         """The scene has changed: it is exported at the next drawing."""
+        state = getattr(self, "viewport", None)
+        if state is not None:
+            state.stop()
         self.viewport = None
 
     def view_draw(self, context, depsgraph):

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The viewport: pictures that grow while nothing changes, drawn as a texture of the graphics card.
 
-Not covered by tests, because they run without a window.
+The first picture after a change is coarse and comes at once. A thread renders the others, so that the window answers meanwhile: a change of
+the view stops it. Drawing is not covered by tests, because they run without a window.
 """
+
+import threading
+import time
 
 import numpy as np
 
@@ -10,10 +14,57 @@ from . import cameras, catchers, passes
 from .scene import Export
 from .warned import Warned
 
-# Pixels of the first picture after a change: every second one across and down.
+# Seconds that the first picture after a change may take, and its pixels before that is known.
+SOON, FIRST_PIXELS = 0.03, 15_000
+# Its pixels are every second one across and down, or fewer.
 COARSE = 2
+# Seconds that drawing waits for a picture.
+PATIENCE = 0.03
 # Samples of what shadow catchers show of the background; they come before the picture.
 CATCHING = 8
+
+
+class Stopped(Exception):
+    """The picture is not wanted any more."""
+
+
+class Growing:
+    """Pictures of one view, each with more samples, rendered by a thread."""
+
+    def __init__(self, accumulate):
+        self.is_stopped = False
+        self.pictures = accumulate(progress=self.progress)
+        self.thread, self.found, self.error = None, None, None
+
+    def progress(self, _):
+        if self.is_stopped:
+            raise Stopped
+
+    def stop(self):
+        self.is_stopped = True
+        if self.thread is not None:
+            self.thread.join()
+
+    def run(self):
+        try:
+            self.found = next(self.pictures, None)
+        except Stopped:
+            self.found = None
+        except Exception as error:
+            self.error = error
+
+    def next(self, seconds):
+        """Whether the next picture is there in time, and it; None after the last one."""
+        if self.thread is None:
+            self.thread = threading.Thread(target=self.run, daemon=True)
+            self.thread.start()
+        self.thread.join(seconds)
+        if self.thread.is_alive():
+            return False, None
+        self.thread = None
+        if self.error is not None:
+            raise self.error
+        return True, self.found
 
 
 class Viewport:
@@ -28,6 +79,7 @@ class Viewport:
         self.export.put_all()
         self.key = self.key_of(context)
         self.growing, self.texture, self.is_coarse, self.caught = None, None, True, None
+        self.pixels = FIRST_PIXELS
 
     def key_of(self, context):
         region, data = context.region, context.region_data
@@ -58,28 +110,46 @@ class Viewport:
     def draw(self, context, depsgraph):
         key = self.key_of(context)
         if key != self.key:
+            self.stop()
             self.key, self.view = key, self.seen(context)
             self.growing, self.is_coarse = None, True
-        picture = self.next(depsgraph.scene)
+        picture = self.next(depsgraph.scene, PATIENCE)
         if picture is not None:
             self.upload(picture)
         self.paint(context, depsgraph.scene)
 
-    def next(self, scene):
-        """The next picture; None when it is finished."""
+    def stop(self):
+        """Ends the picture in the making."""
+        if self.growing is not None:
+            self.growing.stop()
+
+    def coarse_size(self):
+        """The size of the first picture after a change."""
+        width, height = self.size
+        step = max(COARSE, int(np.ceil((width * height / self.pixels) ** 0.5)))
+        return max(1, width // step), max(1, height // step)
+
+    def next(self, scene, seconds=None):
+        """The next picture; None when it is finished, or not there within these seconds."""
         settings = scene.gnurt
         options = {"integrator": settings.integrator, "max_depth": settings.max_depth, "threads": settings.threads, **self.view.options()}
         if self.is_coarse:
             self.is_coarse = False
             self.engine.tag_redraw()
-            width, height = (max(1, n // COARSE) for n in self.size)
+            width, height = self.coarse_size()
+            began = time.monotonic()
             self.catch(width, height, 1, options)
-            return self.shown(self.export.scene.render(width, height, spp=1, **options))
+            picture = self.shown(self.export.scene.render(width, height, spp=1, **options))
+            # As many pixels the next time as take that long.
+            took = max(time.monotonic() - began, 1e-3)
+            self.pixels = min(max(width * height * SOON / took, 1000), 1_000_000)
+            return picture
         if self.growing is None:
             self.catch(*self.size, min(CATCHING, settings.preview_samples), options)
-            self.growing = self.export.scene.accumulate(*self.size, spp=settings.preview_samples, **options)
-        picture = next(self.growing, None)
-        if picture is not None:
+            size, samples = self.size, settings.preview_samples
+            self.growing = Growing(lambda **more: self.export.scene.accumulate(*size, spp=samples, **options, **more))
+        is_there, picture = self.growing.next(seconds)
+        if picture is not None or not is_there:
             self.engine.tag_redraw()
         return picture if picture is None else self.shown(picture)
 

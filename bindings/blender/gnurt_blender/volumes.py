@@ -12,7 +12,7 @@ import bpy
 import gnurt
 import numpy as np
 
-from . import fluids
+from . import drifts, fluids
 from .baking import Box
 from .nodes.media import Part, Reader
 from .nodes.tree import source
@@ -166,12 +166,20 @@ class Cells:
         place[:3, 3] = self.low
         return self.step @ place @ np.diag([*self.shape.astype(float), 1.0])
 
+    def widen(self, cells):
+        """Adds cells on both sides of each axis."""
+        self.low, self.shape = self.low - cells, self.shape + 2 * np.asarray(cells)
+
     def __call__(self, name):
         if name not in self.grids:
             return None
-        array, matrix = self.grids[name]
         if name not in self.used:
             self.used.append(name)
+        return self.values(name)
+
+    def values(self, name):
+        """The values of a grid in the cells of the box."""
+        array, matrix = self.grids[name]
         # The middles of our cells in those of the grid.
         index = np.diag([*map(float, array.shape[:3]), 1.0]) @ np.linalg.inv(matrix) @ self.step
         axes = np.meshgrid(*(self.low[k] + np.arange(self.shape[k]) + 0.5 for k in range(3)), indexing="ij")
@@ -204,6 +212,7 @@ def put_object(export, code, tree, output, found, matrix):
     if not grids:
         return
     cells = Cells(grids, "density" if "density" in grids else next(iter(grids)))
+    drift = drifts.of_volume(cells, found.data, export.scene_data)
     if output is None:
         half = 0.5 * (cells("density") if "density" in grids else 0.0)
         parts = [Part(half, half)]
@@ -216,7 +225,7 @@ def put_object(export, code, tree, output, found, matrix):
     scale = 1.0
     if found.data.render.space == "OBJECT":
         scale = 1.0 / max(np.linalg.norm(matrix[:3, :3] @ np.ones(3)) / 3**0.5, 1e-12)
-    put_cells(export, cells, parts, found, matrix, scale, found.data.render.clipping)
+    put_cells(export, cells, parts, found, matrix, scale, found.data.render.clipping, drift)
 
 
 def put_gas(export, code, tree, output, found, matrix, domain):
@@ -227,13 +236,13 @@ def put_gas(export, code, tree, output, found, matrix, domain):
         cells = Cells(grids, "density" if "density" in grids else next(iter(grids)))
         parts = Reader(code, cells).parts(tree, output.inputs["Volume"])
         if cells.used and parts:
+            if "velocity" in cells.grids and export.scene_data.render.use_motion_blur:
+                export.warn(f"object '{found.name}': the motion of its gas is not blurred")
             put_cells(export, cells, parts, found, matrix, 1.0, domain.clipping)
 
 
-def put_cells(export, cells, parts, found, matrix, scale, clipping):
+def put_cells(export, cells, parts, found, matrix, scale, clipping, drift=None):
     """Adds media of parts on the cells of grids: one for each phase function, and one that shines."""
-    if "velocity" in cells.grids and export.scene_data.render.use_motion_blur:
-        export.warn(f"object '{found.name}': the motion of its grids is not blurred")
     place = matrix @ cells.matrix()
     # Even parts fill the cells that are there.
     there = np.any([np.abs(cells(name)).reshape(*cells.shape, -1).max(axis=-1) > clipping for name in cells.used], axis=0)
@@ -243,6 +252,8 @@ def put_cells(export, cells, parts, found, matrix, scale, clipping):
         both = np.concatenate(own[:2], axis=-1)
         by_lobes[part.lobes] = by_lobes.get(part.lobes, 0.0) + both
         light = light + own[2]
+    if drift is not None:
+        by_lobes, light = {lobes: drift.mean(both) for lobes, both in by_lobes.items()}, drift.mean(light)
     for lobes, both in by_lobes.items():
         density = both.max(axis=-1)
         if not density.any():

@@ -1085,13 +1085,15 @@ def grid_cloud(values, made, where=(0, 0, 1), **place):
     for name, field in values.items():
         grid, store = tree.nodes.new("GeometryNodeFieldToGrid"), tree.nodes.new("GeometryNodeStoreNamedGrid")
         grid.grid_items.clear()
-        grid.grid_items.new("FLOAT", name)
+        grid.grid_items.new("VECTOR" if isinstance(field, tuple) else "FLOAT", name)
         tree.links.new(drop.outputs["Grid"], grid.inputs["Topology"])
         socket = next(each for each in grid.inputs if each.name == name)
         if callable(field):
             tree.links.new(field(tree), socket)
         else:
             socket.default_value = field
+        if isinstance(field, tuple):
+            store.data_type = "VECTOR_FLOAT"
         store.inputs["Name"].default_value = name
         tree.links.new(next(each for each in grid.outputs if each.name == name), store.inputs["Grid"])
         tree.links.new(last, store.inputs["Volume"])
@@ -1153,18 +1155,26 @@ def fire():
     bpy.context.scene["means only"] = True
 
 
-@scene
-def volume_file():
-    """A volume object of a file, whose density a ramp changes."""
-    floor()
+def volume_object(values, made, where):
+    """A volume object whose file has the grids of `grid_cloud`."""
     import tempfile
 
-    found = grid_cloud({"density": ball_field(1.0)}, None)
+    found = grid_cloud(values, None)
     path = tempfile.NamedTemporaryFile(suffix=".vdb", delete=False).name
     for instance in bpy.context.evaluated_depsgraph_get().object_instances:
         if instance.object.type == "VOLUME":
             instance.object.data.grids.save(path)
     bpy.data.objects.remove(found)
+    data = bpy.data.volumes.new("file")
+    data.filepath = path
+    data.materials.append(made)
+    return add("file", data, where)
+
+
+@scene
+def volume_file():
+    """A volume object of a file, whose density a ramp changes."""
+    floor()
     made = filled("file", "ShaderNodeVolumeScatter", Color=(0.6, 0.7, 0.9))
     tree = made.node_tree
     info, ramp, more = (tree.nodes.new(n) for n in ("ShaderNodeVolumeInfo", "ShaderNodeValToRGB", "ShaderNodeMath"))
@@ -1173,10 +1183,23 @@ def volume_file():
     tree.links.new(info.outputs["Density"], ramp.inputs[0])
     tree.links.new(ramp.outputs[0], more.inputs[0])
     tree.links.new(more.outputs[0], next(n for n in tree.nodes if n.type == "VOLUME_SCATTER").inputs["Density"])
-    data = bpy.data.volumes.new("file")
-    data.filepath, data.render.space = path, "WORLD"
-    data.materials.append(made)
-    add("file", data, (0, 0, 1)).scale = (1.3, 1.3, 1.3)
+    found = volume_object({"density": ball_field(1.0)}, made, (0, 0, 1))
+    found.data.render.space, found.scale = "WORLD", (1.3, 1.3, 1.3)
+    camera((0, -7, 2.6), (0, 0, 0.8), 45)
+    light("AREA", (2, -3, 5), 500, size=2)
+    background(0.3)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def drifting_smoke():
+    """A volume object that its velocities move while the shutter is open, thin, then dense at one side."""
+    floor()
+    made = filled("drift", "ShaderNodeVolumePrincipled", Color=(0.7, 0.8, 0.9), Density=3.0)
+    drifting = volume_object({"density": ball_field(1.0), "velocity": (24.0, 0.0, 8.0)}, made, (-0.4, 0, 1.2))
+    drifting.rotation_euler, drifting.data.velocity_unit = (0, 0, 0.3), "SECOND"
+    settings = bpy.context.scene.render
+    settings.use_motion_blur, settings.motion_blur_shutter = True, 1.0
     camera((0, -7, 2.6), (0, 0, 0.8), 45)
     light("AREA", (2, -3, 5), 500, size=2)
     background(0.3)
