@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::failure::Failure;
 use crate::workspace::Workspace;
-use crate::{command, installed, notices, publish, python, readme, tidy};
+use crate::{command, installed, notices, publish, python, python_upload, readme, tidy};
 
 /// Runs all checks, the quick ones first; stops at the first that fails.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
@@ -21,6 +21,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     check_for_other_machines()?;
     publish::crates(&[])?;
+    python_upload::check()?;
 
     let readme_commands = readme::readme_commands()?;
     run_words(&readme_commands.test)?;

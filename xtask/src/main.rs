@@ -13,6 +13,7 @@ mod installed;
 mod notices;
 mod publish;
 mod python;
+mod python_upload;
 mod readme;
 mod results;
 mod sanitize;
@@ -73,7 +74,7 @@ const CHORES: [Chore; 13] = [
     },
     Chore {
         name: "wheel",
-        about: "the Python package's wheel, in target/wheels: [--machine x86_64|aarch64] [--python INTERPRETER]",
+        about: "the Python package's wheel, in target/wheels: [--machine x86_64|aarch64] [--python INTERPRETER]; --check, --publish",
         run: wheel::run,
     },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },

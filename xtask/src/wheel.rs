@@ -11,6 +11,7 @@ use std::process::Command;
 
 use crate::command;
 use crate::failure::Failure;
+use crate::python_upload;
 use crate::workspace::Workspace;
 
 /// The oldest C library that portable wheels run with: of Debian 10, Ubuntu 18.10, RHEL 8.
@@ -47,7 +48,7 @@ impl Request {
                 ("--python", None) => return Err("wheel: --python takes the name of an interpreter".into()),
                 (other, _) => {
                     return Err(format!(
-                        "wheel: unknown '{other}'; [--machine x86_64|aarch64] [--python INTERPRETER]"
+                        "wheel: unknown '{other}'; [--machine x86_64|aarch64] [--python INTERPRETER] | --check | --publish"
                     ));
                 }
             }
@@ -58,6 +59,11 @@ impl Request {
 
 /// Writes the wheel to `target/wheels`.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
+    match arguments {
+        [option] if option == "--check" => return python_upload::check(),
+        [option] if option == "--publish" => return python_upload::publish(),
+        _ => {}
+    }
     let Request { machine, python } = Request::of(arguments)?;
     let target = Workspace::load()?.target;
     let wheels = target.join("wheels");
