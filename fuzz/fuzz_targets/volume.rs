@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Any bytes as a file of OpenVDB: grids that can be read everywhere, or one error of one line.
+//! Any bytes as a file of OpenVDB or NanoVDB: grids that can be read everywhere, or one error of one line.
 #![no_main]
 
 /// The memory limit of a file's voxels.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Media from arguments: fog, smoke and the contents of bodies; density in arrays or in files of OpenVDB.
+//! Media from arguments: fog, smoke and the contents of bodies; density in arrays or in files of OpenVDB and NanoVDB.
 //! Space: arrays fill the unit cube, [x, y, z], which a transform takes to the world. Units: 1 over world units, radiance.
 //! Tests: `tests/test_media.py`.
 
@@ -88,6 +88,12 @@ pub(crate) fn medium(py: Python<'_>, given: &mut Given) -> PyResult<Medium> {
 fn grid(py: Python<'_>, given: &mut Given) -> PyResult<Option<DensityGrid>> {
     let (density, glow) = (given.get("density")?, given.get("emission_grid")?);
     let (file, name) = (given.get("file")?, given.text("grid")?);
+    let (heat, kelvin) = (given.text("temperature_grid")?, given.number("kelvin", 1e-30, MOST)?);
+    if (heat.is_some() && file.is_none()) || (kelvin.is_some() && heat.is_none()) {
+        let which =
+            if heat.is_some() { "temperature_grid: needs file" } else { "kelvin: needs temperature_grid" };
+        return Err(PyValueError::new_err(which));
+    }
     let place = given.get("transform")?;
     let place = place.map(|value| transform("transform", &value)).transpose()?;
     let place = place.map_or(Affine::IDENTITY, |columns| Affine { columns });
@@ -110,7 +116,10 @@ fn grid(py: Python<'_>, given: &mut Given) -> PyResult<Option<DensityGrid>> {
             let glow = glow.map(|glow| glow.extract::<String>()).transpose();
             let glow =
                 glow.map_err(|_| PyTypeError::new_err("emission_grid: expected a name of the file"))?;
-            let file = VolumeFile::new(path, name, glow);
+            let mut file = VolumeFile::new(path, name, glow);
+            if let Some(heat) = heat {
+                file = file.heated(heat, kelvin.unwrap_or(1.0) as f32);
+            }
             let mut found = py.detach(|| file.cells()).map_err(|error| volume_error(&error))?;
             found.world_from_unit = place * found.world_from_unit;
             Ok(Some(found))
@@ -175,7 +184,7 @@ fn numbers(name: &str, flat: &Bound<'_, PyAny>) -> PyResult<Vec<f32>> {
     }
 }
 
-/// The grids of a file of OpenVDB: a dict of names, each with an array [x, y, z] and the transform from the unit cube.
+/// The grids of a file of OpenVDB or NanoVDB: a dict of names, each with an array [x, y, z] and the transform from the unit cube.
 #[pyfunction]
 #[pyo3(signature = (path, names=None))]
 pub(crate) fn _read_volume<'py>(

@@ -140,6 +140,8 @@ def test_files(tmp_path):
         ({"density": np.ones((2, 2, 2)), "grid": "a"}, ValueError, "grid"),
         ({"emission_grid": np.ones((2, 2, 2))}, ValueError, "emission_grid"),
         ({"file": "nowhere.vdb"}, OSError, "nowhere.vdb"),
+        ({"density": np.ones((2, 2, 2)), "temperature_grid": "heat"}, ValueError, "temperature_grid: needs file"),
+        ({"file": "nowhere.vdb", "kelvin": 2}, ValueError, "kelvin: needs temperature_grid"),
         ({"colour": 1}, TypeError, "colour: unknown"),
     ],
 )

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Smoke from files of OpenVDB, and fog around a scene.
+//! Smoke from files of OpenVDB and NanoVDB, and fog around a scene.
 //! Source: the grid's numbers times `density` are the extinction coefficient, as production renderers read
-//! them. Space: the file's world is the scene's. Cells that are not active hold nothing, and values below 0 count as 0.
+//! them. The emission of a grid of temperatures is that of black bodies, in units of the luminance at 2000 K. Space: the file's world is the scene's. Cells that are not active hold nothing, and values below 0 count as 0.
 //! Tests: `tests`, and the command line's `tests/program/volumes.rs`.
 
 use std::path::{Path, PathBuf};
@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::image::{Grid, Volume};
 use crate::scene::medium::{DensityGrid, Extent, Medium, Phase};
 use crate::scene::{Affine, MediumId, Scene};
+use gnurt_sl_shading::ColorSystem;
 
 /// Most cells of a box around the active ones of a grid: 2 GiB of numbers.
 const MOST_CELLS: u64 = 1 << 29;
@@ -129,7 +130,7 @@ impl Fog {
     }
 }
 
-/// A file of OpenVDB as smoke.
+/// A file of OpenVDB or NanoVDB as smoke.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeFile {
     path: PathBuf,
@@ -137,6 +138,8 @@ pub struct VolumeFile {
     grid: Option<String>,
     /// The name of the grid of emission.
     glow: Option<String>,
+    /// The name of the grid of temperatures, and kelvins of its unit.
+    heat: Option<(String, f32)>,
     density: [f32; 3],
     look: Look,
 }
@@ -154,18 +157,37 @@ impl VolumeFile {
             path = format!("{path}:{more}");
         }
         if path.is_empty() {
-            return Err("give a file of OpenVDB".into());
+            return Err("give a file of OpenVDB or NanoVDB".into());
         }
-        let mut file =
-            Self { path: path.into(), grid: None, glow: None, density: [1.0; 3], look: Look::default() };
+        let mut file = Self {
+            path: path.into(),
+            grid: None,
+            glow: None,
+            heat: None,
+            density: [1.0; 3],
+            look: Look::default(),
+        };
+        let mut kelvin = None;
         for (name, value) in values(pieces)? {
             match name {
+                "temperature" => file.heat = Some((value.to_owned(), 1.0)),
+                "kelvin" => kelvin = Some(numbers(value)?[0]),
                 "grid" => file.grid = Some(value.to_owned()),
                 "glow" => file.glow = Some(value.to_owned()),
                 "density" => file.density = numbers(value)?,
                 _ if file.look.take(name, value)? => {}
-                _ => return Err(format!("a volume has no '{name}'; valid are density, glow, grid, {NAMES}")),
+                _ => {
+                    return Err(format!(
+                        "a volume has no '{name}'; valid are density, glow, grid, kelvin, temperature, {NAMES}"
+                    ));
+                }
             }
+        }
+        match (&mut file.heat, kelvin) {
+            (_, None) => {}
+            (Some(heat), Some(kelvin)) if kelvin > 0.0 => heat.1 = kelvin,
+            (Some(_), Some(_)) => return Err("kelvin: the kelvins of a grid's unit are above 0".into()),
+            (None, Some(_)) => return Err("kelvin: give temperature=NAME, too".into()),
         }
         checked(&file.look.medium(file.density))?;
         Ok(file)
@@ -175,7 +197,14 @@ impl VolumeFile {
     /// first grid of one number.
     #[must_use]
     pub fn new(path: impl Into<PathBuf>, grid: Option<String>, glow: Option<String>) -> Self {
-        Self { path: path.into(), grid, glow, density: [1.0; 3], look: Look::default() }
+        Self { path: path.into(), grid, glow, heat: None, density: [1.0; 3], look: Look::default() }
+    }
+
+    /// The same with a grid of temperatures, and the kelvins of its unit: its emission is multiplied to that of the grid of
+    /// emission.
+    #[must_use]
+    pub fn heated(self, grid: impl Into<String>, kelvin: f32) -> Self {
+        Self { heat: Some((grid.into(), kelvin)), ..self }
     }
 
     /// The file.
@@ -224,7 +253,11 @@ impl VolumeFile {
                 .ok_or_else(|| fault("it has no grid of one number".into()))?,
         };
         let glow = self.glow.as_deref().map(find).transpose()?;
-        dense(grid, glow).map_err(fault)
+        let heat = match &self.heat {
+            Some((name, kelvin)) => Some((find(name)?, *kelvin)),
+            None => None,
+        };
+        dense(grid, glow, heat).map_err(fault)
     }
 }
 
@@ -243,7 +276,7 @@ pub struct VolumeCells {
     pub world_from_unit: Affine,
 }
 
-/// Reads the grids of a file of OpenVDB, or only those of some names. Grids without active voxels are left out.
+/// Reads the grids of a file of OpenVDB or NanoVDB, or only those of some names. Grids without active voxels are left out.
 ///
 /// # Errors
 /// [`Error::Image`] if the file cannot be read, [`Error::Volume`] if a grid has too many cells.
@@ -314,23 +347,71 @@ impl Place {
     }
 }
 
-/// The cells of a box around the active ones, with a rim of one cell.
-fn dense(grid: &Grid, glow: Option<&Grid>) -> Result<DensityGrid, String> {
+/// Kelvins at which a black body's emission counts 1.
+const UNIT_HEAT: f32 = 2000.0;
+/// Steps of the table of black bodies.
+const HEATS: usize = 4096;
+
+/// Emission of black bodies by their temperatures, from 0 to the highest one of a grid.
+struct Heat {
+    step: f32,
+    table: Vec<[f32; 3]>,
+}
+
+impl Heat {
+    fn upto(most: f32) -> Option<Self> {
+        let colors = ColorSystem::named("Rec709")?;
+        let unit = colors.luminance(colors.blackbody(UNIT_HEAT));
+        let step = most.max(f32::MIN_POSITIVE) / (HEATS - 1) as f32;
+        let emission = |i: usize| colors.blackbody(i as f32 * step).map(|x| x / unit);
+        Some(Self { step, table: (0..HEATS).map(emission).collect() })
+    }
+
+    fn at(&self, kelvin: f32) -> [f32; 3] {
+        let place = (kelvin / self.step).clamp(0.0, (HEATS - 1) as f32);
+        let i = (place as usize).min(HEATS - 2);
+        let rest = place - i as f32;
+        std::array::from_fn(|c| self.table[i][c] * (1.0 - rest) + self.table[i + 1][c] * rest)
+    }
+}
+
+/// The cells of a box around the active ones, with a rim of one cell; emission is that of two grids, multiplied.
+fn dense(grid: &Grid, glow: Option<&Grid>, heat: Option<(&Grid, f32)>) -> Result<DensityGrid, String> {
     let place = Place::new(grid.active().ok_or("its grid has no active cell")?)?;
     let sound = |x: f32| if x.is_finite() { x.max(0.0) } else { 0.0 };
+    let has_emission = glow.is_some() || heat.is_some();
     let mut density = place.room(1)?;
-    let mut emission = if glow.is_some() { place.room(1)? } else { Vec::new() };
-    // Both grids may have cells of their own.
-    let other = glow.map(|glow| (glow, glow.index_from_world() * grid.index_from_world().inverse()));
+    let mut emission = if has_emission { place.room(1)? } else { Vec::new() };
+    // All grids may have cells of their own.
+    let other = |other: &Grid, at: [i32; 3]| {
+        let there = other.index_from_world() * grid.index_from_world().inverse();
+        let there = there.transform_point3(at.map(f64::from).into());
+        other.voxel(there.to_array().map(|x| x.round() as i32)).map(sound)
+    };
+    let mut hottest = 0.0_f32;
     place.each(|at| {
         density.push(sound(grid.voxel(at)[0]));
-        if let Some((glow, other)) = other {
-            let there = other.transform_point3(at.map(f64::from).into());
-            let value = glow.voxel(there.to_array().map(|x| x.round() as i32));
-            let value = if glow.channels() == 1 { [value[0]; 3] } else { value };
-            emission.push(value.map(sound));
+        if has_emission {
+            let glow = glow.map_or([1.0; 3], |glow| {
+                let value = other(glow, at);
+                if glow.channels() == 1 { [value[0]; 3] } else { value }
+            });
+            emission.push(glow);
+        }
+        if let Some((heat, kelvin)) = heat {
+            hottest = hottest.max(other(heat, at)[0] * kelvin);
         }
     });
+    if let Some((grid, kelvin)) = heat {
+        let heat = Heat::upto(hottest).ok_or("no colours of black bodies")?;
+        let mut cells = emission.iter_mut();
+        place.each(|at| {
+            if let Some(cell) = cells.next() {
+                let color = heat.at(other(grid, at)[0] * kelvin);
+                *cell = std::array::from_fn(|c| cell[c] * color[c]);
+            }
+        });
+    }
     let size = place.size.map(|n| n as u32);
     Ok(DensityGrid { size, density, emission, world_from_unit: place.world_from_unit(grid) })
 }
@@ -357,7 +438,32 @@ mod tests {
             let why = Fog::parse(text).expect_err("nonsense");
             assert!(why.contains(part), "{text}: {why}");
         }
+        let hot = VolumeFile::parse("a.nvdb:temperature=heat:kelvin=1500").expect("a volume");
+        assert_eq!(hot.heat, Some(("heat".into(), 1500.0)));
+        assert!(VolumeFile::parse("a.vdb:kelvin=2").is_err_and(|why| why.contains("temperature=NAME")));
         assert!(VolumeFile::parse("a.vdb:density=-1").is_err_and(|why| why.contains("below 0")));
+    }
+
+    #[test]
+    fn black_bodies_shine_by_their_temperature() {
+        let heat = Heat::upto(6000.0).expect("colours");
+        let luminance = |color: [f32; 3]| 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
+        assert!((luminance(heat.at(2000.0)) - 1.0).abs() < 1e-2, "{:?}", heat.at(2000.0));
+        assert_eq!(heat.at(0.0)[1], 0.0);
+        // Planck's law, by a bell curve for the eye's sensitivity.
+        let light = |kelvin: f64| -> f64 {
+            let at = |nm: f64| {
+                let seen = (-285.4 * (nm / 1000.0 - 0.559).powi(2)).exp();
+                seen * nm.powi(-5) / ((1.438_777e7 / (nm * kelvin)).exp() - 1.0)
+            };
+            (380..780).map(|nm| at(f64::from(nm))).sum()
+        };
+        for kelvin in [1200.0, 1500.0, 3000.0, 5500.0] {
+            let (found, expected) = (luminance(heat.at(kelvin)), light(f64::from(kelvin)) / light(2000.0));
+            assert!((f64::from(found) / expected - 1.0).abs() < 0.1, "{kelvin} K: {found} and {expected}");
+        }
+        let [red, green, blue] = heat.at(1500.0);
+        assert!(red > 2.0 * green && green > 2.0 * blue, "red hot");
     }
 
     #[test]

@@ -166,7 +166,7 @@ fn bad_files_are_told() {
     assert!(fault(&file, 20_000).contains("more than the 0 MiB allowed"));
     let mut old = file.clone();
     old[8] = 215;
-    assert!(fault(&old, ENOUGH).contains("version 215; 222 to 224 are read"));
+    assert!(fault(&old, ENOUGH).contains("version 215 of OpenVDB; 222 to 224 are read"));
     let why = fault(&unpacked(include_bytes!("data/mask.vdb.gz")), ENOUGH);
     assert!(why.contains("no grid of numbers (the first is a Tree_bool_5_4_3)"), "{why}");
     let broken = small(1, true, |_| as_it_is(&[1, 2, 3]));
@@ -187,7 +187,7 @@ const PLACES: usize = 8 + 12 + 1 + 36 + 4 + 4 + (4 + 7) + (4 + 16) + 4;
 fn only_regular_files_are_read() {
     let folder = std::env::temp_dir().to_string_lossy().into_owned();
     let why = |path: &str| Volume::read(std::path::Path::new(path), ENOUGH).unwrap_err().to_string();
-    assert!(why(&folder).contains("is a folder; a file of OpenVDB is needed"), "{}", why(&folder));
+    assert!(why(&folder).contains("is a folder; a file of OpenVDB or NanoVDB is needed"), "{}", why(&folder));
     if cfg!(unix) {
         // It has no end, and its first bytes are none of OpenVDB's.
         assert!(why("/dev/zero").contains("is a device or pipe"), "{}", why("/dev/zero"));

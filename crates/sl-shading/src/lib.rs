@@ -39,6 +39,7 @@ mod wrap;
 pub use access::Access;
 pub use camera::{CameraFrame, CameraScript};
 pub use codes::Codes;
+pub use gnurt_sl_lib::color::ColorSystem;
 pub use library::is_carried;
 pub use mtlx::{materials as materials_of_document, shaders_by_material, split as document_and_node};
 pub use parameter::{Parameter, ParameterValue};

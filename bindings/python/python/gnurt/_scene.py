@@ -128,8 +128,8 @@ class Scene(_Scene):
         "around" is outside of these, in a ball of centre and radius, which is infinite without them.
 
         density (x, y, z) multiplies the coefficients in the cells of the unit cube, emission_grid (x, y, z) or (x, y, z, 3) the emission;
-        transform takes the cube to the world. Or file=FILE of OpenVDB, with the names grid="density" and emission_grid; transform takes its world
-        to that of the scene. Such media have extent="free": the box of their grid, in addition to others.
+        transform takes the cube to the world. Or file=FILE of OpenVDB or NanoVDB, with the names grid="density" and emission_grid; transform takes its world
+        to that of the scene. temperature_grid names a grid of temperatures, of kelvin=1 each: the emission of black bodies, 1 at 2000 K. Such media have extent="free": the box of their grid, in addition to others.
         """
         return self._add_medium({"name": name, **properties})
 
@@ -418,7 +418,7 @@ def load(source):
 
 
 def read_volume(path, names=None):
-    """The grids of a file of OpenVDB by their names, or those of some names; grids without active voxels are left out.
+    """The grids of a file of OpenVDB or NanoVDB by their names, or those of some names; grids without active voxels are left out.
 
     Each is an array (x, y, z), or (x, y, z, 3), of the active voxels with a rim of one voxel, and a matrix. The matrix takes the unit cube,
     which the array fills, to the world. `Scene.add_medium` takes both.

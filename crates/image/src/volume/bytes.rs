@@ -11,7 +11,7 @@ const LONGEST: usize = 300;
 pub(super) fn corrupt(what: impl Into<String>) -> Error {
     let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let what: String = what.into().chars().take(LONGEST).map(printable).collect();
-    Error::corrupt("OpenVDB", what)
+    Error::corrupt("volume", what)
 }
 
 /// The error for a file that takes too much memory.
@@ -46,6 +46,15 @@ impl<'a> Bytes<'a> {
             Some(at) => Ok(Self { all: &self.all[..self.at], at }),
             None => Err(corrupt(format!("a part from byte {start} to {end} is not behind byte {before}"))),
         }
+    }
+
+    /// The bytes that were not read yet.
+    pub(super) fn rest(&self) -> &'a [u8] {
+        &self.all[self.at..]
+    }
+
+    pub(super) fn is_at_end(&self) -> bool {
+        self.at == self.all.len()
     }
 
     pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], Error> {
