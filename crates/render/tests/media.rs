@@ -111,8 +111,9 @@ fn media_give_light_off() {
     }
 }
 
-/// Light of a point light of intensity 1 that a ray's medium scatters once: the integral along the ray.
-fn single(sigma: [f64; 3], albedo: f64, g: f64, light: [f64; 3], length: f64) -> [f64; 3] {
+/// Light of a point light of intensity 1 that a ray's medium scatters once: the integral along the ray. `is_flat`: the lamp
+/// faces along -x, and its intensity falls with the cosine.
+fn single(sigma: [f64; 3], albedo: f64, g: f64, (light, is_flat): ([f64; 3], bool), length: f64) -> [f64; 3] {
     let steps = 20_000;
     let mut sum = [0.0; 3];
     for k in 0..steps {
@@ -123,7 +124,8 @@ fn single(sigma: [f64; 3], albedo: f64, g: f64, light: [f64; 3], length: f64) ->
         let cos = offset[2] / d2.sqrt();
         let phase = (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * cos).powf(1.5));
         for c in 0..3 {
-            let left = (-sigma[c] * (t + d2.sqrt())).exp();
+            let facing = if is_flat { light[0] / d2.sqrt() } else { 1.0 };
+            let left = facing * (-sigma[c] * (t + d2.sqrt())).exp();
             sum[c] += albedo * sigma[c] * phase * left / d2 * length / f64::from(steps);
         }
     }
@@ -149,7 +151,60 @@ fn light_scattered_once_is_the_integral_along_the_ray() {
             ..Medium::default()
         });
         let found = seen(&world_of(&scene, false), [0.0; 3], [0.0, 0.0, 1.0], &path(1 << 14, 2));
-        near(found, single(sigma, albedo, g, light, 6.0), 0.02, &format!("g = {g}, grid: {with_grid}"));
+        near(
+            found,
+            single(sigma, albedo, g, (light, false), 6.0),
+            0.02,
+            &format!("g = {g}, grid: {with_grid}"),
+        );
+    }
+}
+
+/// The spread of the pixels of a picture of one direction, over their mean.
+fn spread(world: &World, options: &RenderOptions) -> f64 {
+    let view = camera([0.0; 3], [0.0, 0.0, 1.0], 0.001);
+    let picture = render(world, &view, options, &pool(2), &Silent).expect("sound options").picture;
+    let light: Vec<f64> = picture.color.iter().map(|pixel| f64::from(pixel[1])).collect();
+    let mean = light.iter().sum::<f64>() / light.len() as f64;
+    let variance = light.iter().map(|light| (light - mean).powi(2)).sum::<f64>() / light.len() as f64;
+    variance.sqrt() / mean
+}
+
+/// A lamp next to a ray, whose light is far from even along it: the same integral, with little noise.
+#[test]
+fn lamps_near_a_ray_light_its_medium() {
+    let (sigma, albedo, light) = ([0.1, 0.2, 0.4], 0.8, [0.05, 0.0, 3.0]);
+    for (g, with_grid) in [(0.0, false), (0.6, false), (0.6, true)] {
+        for is_area in [false, true] {
+            let mut scene = Scene::new();
+            let wall = matte(&mut scene, [0.0; 3]);
+            put_mesh(&mut scene, quad([-50.0, -50.0, 6.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], wall));
+            let position = light.map(|x| x as f32);
+            if is_area {
+                let (half, shine) = (5e-4, emitter(&mut scene, [1e6; 3]));
+                let [x, y, z] = position;
+                put_mesh(
+                    &mut scene,
+                    quad([x, y - half, z - half], [0.0, 0.0, 1e-3], [0.0, 1e-3, 0.0], shine),
+                );
+            } else {
+                scene.add_light(Light::Point { position, intensity: [1.0; 3] });
+            }
+            scene.add_medium(Medium {
+                absorption: sigma.map(|s| (s * (1.0 - albedo)) as f32),
+                scattering: sigma.map(|s| (s * albedo) as f32),
+                phase: Phase { anisotropy: g as f32, ..Phase::default() },
+                extent: if with_grid { Extent::Free } else { EVERYWHERE },
+                grid: with_grid.then(|| even_grid([-8.0; 3], 16.0, [16; 3])),
+                ..Medium::default()
+            });
+            let world = world_of(&scene, false);
+            let what = format!("g = {g}, grid: {with_grid}, area: {is_area}");
+            let found = seen(&world, [0.0; 3], [0.0, 0.0, 1.0], &path(1 << 13, 2));
+            near(found, single(sigma, albedo, g, (light, is_area), 6.0), 0.01, &what);
+            let noise = spread(&world, &path(64, 2));
+            assert!(noise < 0.2, "{what}: {noise}");
+        }
     }
 }
 

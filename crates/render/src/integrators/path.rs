@@ -95,9 +95,9 @@ fn fly(
     wavefront: &mut Wavefront,
     radiance: &mut Vec3s,
 ) {
-    let Wavefront { paths, in_media, ledger, .. } = wavefront;
+    let Wavefront { paths, in_media, near_lamps, ledger, .. } = wavefront;
     let light = (radiance, ledger.as_mut());
-    media::fly((tracer.world, tracer.options), (rays, keys), paths, hits, in_media, light);
+    media::fly((tracer.world, tracer.options), (rays, keys), paths, hits, [in_media, near_lamps], light);
 }
 
 /// Takes the light at the ends of the paths' rays, then scatters them.
@@ -119,15 +119,17 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     surfaces(tracer, from, wavefront, radiance);
     leave(tracer, from, wavefront, radiance);
     if !tracer.world.media().is_empty() {
-        let Wavefront { paths, next, unshadowed, in_media, ledger, linked, .. } = &mut *wavefront;
+        let Wavefront { paths, next, unshadowed, in_media, near_lamps, ledger, linked, .. } = &mut *wavefront;
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
         let mut onward = Onward { next, unshadowed, radiance, ledger, linked, seen: None, held: None };
         let (of, from) = ((tracer.world, options), (&*paths, from.keys));
-        dispatch_wide!(
-            options.level,
-            simd => media::scatter(Sixteen(simd), of, from, in_media, &mut onward),
-            else media::scatter(One, of, from, in_media, &mut onward)
-        );
+        for vertices in [(&*in_media, true), (&*near_lamps, false)] {
+            dispatch_wide!(
+                options.level,
+                simd => media::scatter(Sixteen(simd), of, from, vertices, &mut onward),
+                else media::scatter(One, of, from, vertices, &mut onward)
+            );
+        }
     }
     wavefront.next.end();
     wavefront.unshadowed.end();

@@ -36,6 +36,11 @@ impl Random {
         Self { first: None, state: Self::state(seed, key, [edges, layer, 2]), count: 0 }
     }
 
+    /// Those on the way to a place near a lamp, along an edge.
+    pub(super) fn of_lamp(seed: u64, key: SampleKey, edges: u32) -> Self {
+        Self { first: None, state: Self::state(seed, key, [edges, 0, 4]), count: 0 }
+    }
+
     /// Those of a walk below the surface at the end of an edge.
     pub(super) fn of_walk(seed: u64, key: SampleKey, edges: u32) -> Self {
         Self { first: None, state: Self::state(seed, key, [edges, 0, 3]), count: 0 }
@@ -225,6 +230,56 @@ impl Parts<'_> {
             }
         }
         chosen
+    }
+
+    /// The parameters up to `length` between which light is scattered; `None` if it is nowhere. The end may be infinite.
+    pub(super) fn scattering_span(&self, length: f32) -> Option<[f32; 2]> {
+        let scattering = self.0.iter().filter(|part| part.medium.scattering != Vec3::ZERO);
+        let spans = scattering.map(|part| {
+            let [begin, end] = part.grid.as_ref().map_or(part.span, |ray| ray.span());
+            [begin.max(part.span[0]), end.min(part.span[1]).min(length)]
+        });
+        let all = spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        all.filter(|[begin, end]| begin < end)
+    }
+
+    /// The mean distance of flights where density is even, world units; infinite where it is nowhere.
+    pub(super) fn mean_distance(&self) -> f32 {
+        let even = self.0.iter().filter(|part| part.grid.is_none()).map(|part| part.medium.extinction);
+        1.0 / (even.sum::<Vec3>().element_sum() / 3.0)
+    }
+
+    /// Extinction and scattering coefficients at `t`.
+    fn coefficients(&self, t: f32) -> [Vec3; 2] {
+        self.0.iter().fold([Vec3::ZERO; 2], |[extinction, scattering], part| {
+            let density = if part.bound(t).0 > 0.0 { part.at(t).0 } else { 0.0 };
+            [extinction + part.medium.extinction * density, scattering + part.medium.scattering * density]
+        })
+    }
+
+    /// The density of flights that end at `t`, per length, of light of this weight. Where density is not even it is a guess
+    /// without noise, from the bounds.
+    pub(super) fn density(&self, t: f32, throughput: Vec3) -> f32 {
+        // Grids are about half as dense as their bounds.
+        const FILLED: f32 = 0.5;
+        let (mut passed, mut at) = (throughput / throughput.element_sum(), 0.0);
+        while at < t {
+            let (most, end, is_even) = self.stretch(at);
+            let end = end.min(t);
+            passed *= left(if is_even { most } else { most * FILLED }, end - at);
+            at = end;
+        }
+        passed.dot(self.coefficients(t)[0])
+    }
+
+    /// Goes to `t` with the light of a path: its weight there, per length, and the medium that scatters it.
+    pub(super) fn goes_to(&self, t: f32, throughput: Vec3, random: &mut Random) -> Option<(Vec3, u16)> {
+        let scattering = self.coefficients(t)[1];
+        if scattering == Vec3::ZERO {
+            return None;
+        }
+        let weight = throughput * self.transmittance(t, random);
+        (weight != Vec3::ZERO).then(|| (weight * scattering, self.scatterer(t, weight, random)))
     }
 
     /// Flies from the origin up to `length` with the light of a path.

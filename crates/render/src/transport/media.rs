@@ -17,8 +17,9 @@ use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, Rays, SampleKey, SurfaceBatch, Vec3s};
 
 use super::flight::{Parts, Random};
-use super::medium_vertices::MediumVertices;
+use super::medium_vertices::{MediumVertex, MediumVertices};
 use super::mis::{most_light_samples, power_heuristic};
+use super::near_lamps::NearLamp;
 use super::paths::{Of, Paths, Scattered};
 use super::step::Onward;
 use super::width::{LightRequests, Width, for_each_light_sample};
@@ -107,16 +108,17 @@ pub(crate) fn inside_at(tracer: &mut BatchTracer, rays: &RayBatch, keys: &[Sampl
 }
 
 /// Flies along the paths' rays up to their hits. Paths that are scattered before become vertices, and hit
-/// nothing.
+/// nothing. Places near lamps, where paths only take light, are vertices of their own.
 pub(crate) fn fly(
     (world, options): (&World, &RenderOptions),
     (rays, keys): (&RayBatch, &[SampleKey]),
     paths: &mut Paths,
     hits: &mut HitBatch,
-    vertices: &mut MediumVertices,
+    [vertices, lamps]: [&mut MediumVertices; 2],
     (radiance, mut ledger): (&mut Vec3s, Option<&mut Ledger>),
 ) {
     vertices.clear();
+    lamps.clear();
     let (media, mut parts) = (world.media(), Parts::default());
     for (i, &key) in keys.iter().enumerate().take(rays.len()) {
         let ray = rays.get(i);
@@ -130,6 +132,11 @@ pub(crate) fn fly(
             continue;
         }
         let length = if hits.prim_id[i] == INVALID_ID { f32::INFINITY } else { hits.t[i] };
+        let way = (org, dir, length);
+        let mut lamp = NearLamp::of((world, options), &parts, &path, way);
+        if let Some(lamp) = &mut lamp {
+            lamp.add(world, &parts, (i as u32, org, dir), lamps);
+        }
         let mut random = Random::of_edge(options.seed, key, path.edges);
         let flight = parts.fly(length, path.throughput, &mut random);
         if flight.emitted != Vec3::ZERO {
@@ -143,24 +150,19 @@ pub(crate) fn fly(
         let Some((t, number)) = flight.scattered else { continue };
         // No hit, and no miss either.
         (hits.prim_id[i], hits.t[i]) = (INVALID_ID, t);
-        let Phase { anisotropy: [first, second], second_share } = media.get(number).phase;
-        vertices.numbers.push(i as u32);
-        vertices.keys.push(key);
-        vertices.p.push(org + dir * t);
-        vertices.along.push(dir);
-        for (row, value) in vertices.phase.iter_mut().zip([first, second, second_share]) {
-            row.push(value);
-        }
+        let (phase, p, throughput) = (media.get(number).phase, org + dir * t, flight.throughput);
+        let share = lamp.map_or(1.0, |lamp| lamp.share_of_flight(&parts, t));
+        vertices.push((i as u32, key), &MediumVertex { p, along: dir, phase, throughput, share });
     }
 }
 
-/// Samples light for vertices in media, and scatters their paths.
+/// Samples light for vertices in media, and scatters their paths if these go on.
 #[inline(always)]
 pub(crate) fn scatter<W: Width>(
     width: W,
     (world, options): (&World, &RenderOptions),
     (paths, keys): (&Paths, &[SampleKey]),
-    vertices: &MediumVertices,
+    (vertices, goes_on): (&MediumVertices, bool),
     onward: &mut Onward,
 ) {
     let count = vertices.numbers.len();
@@ -168,7 +170,7 @@ pub(crate) fn scatter<W: Width>(
     onward.unshadowed.reserve(count * most_light_samples(world.light_set()));
     for first in (0..count).step_by(W::R::LANES) {
         let lanes = W::R::LANES.min(count - first);
-        scatter_lanes(width, (world, options), (paths, keys), vertices, (first, lanes), onward);
+        scatter_lanes(width, (world, options), (paths, keys), (vertices, goes_on), (first, lanes), onward);
     }
 }
 
@@ -177,7 +179,7 @@ fn scatter_lanes<W: Width>(
     width: W,
     (world, options): (&World, &RenderOptions),
     (paths, keys): (&Paths, &[SampleKey]),
-    vertices: &MediumVertices,
+    (vertices, goes_on): (&MediumVertices, bool),
     (first, lanes): (usize, usize),
     onward: &mut Onward,
 ) {
@@ -199,18 +201,12 @@ fn scatter_lanes<W: Width>(
     let (p, along) = (load(&vertices.p), load(&vertices.along));
     let [a, b, second_share] = [0, 1, 2].map(|k| zero.load(&vertices.phase[k], first));
     let phase = Phase { anisotropy: [a, b], second_share };
-    let [r, g, b] = zero.each_of(
-        #[inline(always)]
-        |i| {
-            let number = vertices.numbers.get(first + i);
-            number.map_or([0.0; 3], |&number| paths.throughput.get(number as usize).into())
-        },
-    );
-    let mut throughput = Vector::new(r, g, b);
+    let mut throughput = load(&vertices.throughput);
+    let share = zero.load(&vertices.share, first);
     let draws = width.draws(options.seed, &vertices.keys[first..], &edges);
     let error = p.abs().max_element() * ERROR_SCALE;
     if !lights.is_empty() {
-        let points = LitVertices { of, p, along, phase: &phase, throughput, error };
+        let points = LitVertices { of, p, along, phase: &phase, throughput: throughput * share, error };
         for_each_light_sample(
             width,
             (lights, draws),
@@ -218,6 +214,9 @@ fn scatter_lanes<W: Width>(
             #[inline(always)]
             |sample| take_light_sample(width, world, &points, sample, onward),
         );
+    }
+    if !goes_on {
+        return;
     }
     let [x, y, choice] = W::triple(draws, purpose::DIRECTION);
     let [_, survival] = W::pair(draws, purpose::CHOICE);

@@ -5,12 +5,14 @@
 
 pub(crate) mod absorption;
 mod below;
+mod equiangular;
 mod flight;
 mod light_samples;
 pub(crate) mod links;
 pub(crate) mod media;
 mod medium_vertices;
 pub(crate) mod mis;
+mod near_lamps;
 pub(crate) mod opacity;
 pub(crate) mod panes;
 mod paths;

@@ -466,6 +466,8 @@ pub(crate) struct Wavefront {
     pub(crate) radiance_only: Vec<u32>,
     pub(crate) closures: ClosureBatch,
     pub(crate) in_media: MediumVertices,
+    /// Places in media where paths only take light of near lamps.
+    pub(crate) near_lamps: MediumVertices,
     pub(crate) below: Walks,
     /// The accounts of layers of light, if some are requested.
     pub(crate) ledger: Option<Ledger>,

@@ -31,6 +31,13 @@ pub(crate) struct GridRay {
     span: [f32; 2],
 }
 
+impl GridRay {
+    /// The parameters between which it is in the grid.
+    pub(crate) fn span(&self) -> [f32; 2] {
+        self.span
+    }
+}
+
 impl Grid {
     pub(crate) fn new(data: &Arc<DensityGrid>) -> Self {
         let world = data.world_from_unit.inverse().unwrap_or_default();

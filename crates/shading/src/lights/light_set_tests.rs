@@ -467,3 +467,25 @@ fn lanes_choose_as_points_do() {
         assert!(dark > 100 && (lit > 500 || which < 2), "set {which}: {lit} lit, {dark} not");
     }
 }
+
+#[test]
+fn places_are_on_near_lights() {
+    let points = vec![PointLight { position: Vec3::new(9.0, 0.0, 0.0), intensity: Vec3::splat(8.0) }];
+    let lights = set(LightParts { triangles: triangles(&square(), &[1.0]), points, ..LightParts::default() });
+    assert!(lights.has_near());
+    let count = |p: Vec3| {
+        let places: Vec<Vec3> = (0..512).filter_map(|i| lights.near_place(p, numbers(i))).collect();
+        assert_eq!(places.len(), 512, "one for each");
+        let on_square = |q: &&Vec3| (q.z - 1.0).abs() < 1e-6 && q.x.abs().max(q.y.abs()) <= 1.0 + 1e-6;
+        let square = places.iter().filter(on_square).count();
+        let point = places.iter().filter(|q| **q == Vec3::new(9.0, 0.0, 0.0)).count();
+        assert_eq!(square + point, 512, "nowhere else");
+        let middle = places.iter().filter(on_square).sum::<Vec3>() / square.max(1) as f32;
+        assert!(square < 100 || middle.distance(Vec3::Z) < 0.1, "all over the square: {middle}");
+        square
+    };
+    let [near, far] = [Vec3::ZERO, Vec3::new(8.5, 0.0, 0.0)].map(count);
+    assert!(near > 400 && far < 100, "the nearer one more often: {near}, {far}");
+    let none = set(LightParts::default());
+    assert!(!none.has_near() && none.near_place(Vec3::ZERO, [0.5; 3]).is_none());
+}

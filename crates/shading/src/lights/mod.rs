@@ -13,6 +13,7 @@ mod light_set_lanes;
 #[cfg(test)]
 mod light_set_tests;
 mod light_tree;
+mod places;
 mod punctual;
 mod spherical;
 

@@ -27,6 +27,8 @@ pub mod purpose {
     pub const TIME: u32 = 7;
     /// Flight through a medium.
     pub const FLIGHT: u32 = 8;
+    /// A distance in a medium by the angle at which a lamp is seen.
+    pub const LAMP_DISTANCE: u32 = 9;
     /// Choice of a light of the first group, and the position on it, where groups are sampled one by one; group i has
     /// `LIGHT_GROUP + i`.
     pub const LIGHT_GROUP: u32 = 0x10;

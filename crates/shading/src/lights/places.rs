@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Places of lamps near a point: where techniques aim that need a position, not light.
+//! Source: the choice of [EK18], with the power over the squared distance in the leaves. Space: world.
+//! Tests: `light_set_tests`.
+
+use glam::Vec3;
+use gnurt_image::srgb::luminance;
+
+use super::light_parts::{LightId, LightKind};
+use super::light_set::LightSet;
+use crate::sampling;
+
+impl LightSet {
+    /// Whether some light has a position.
+    #[must_use]
+    pub fn has_near(&self) -> bool {
+        self.parts.finite_count() > 0
+    }
+
+    /// A place on a light that is likely to matter at `p`, by three numbers in [0, 1): one for the choice, two for the position.
+    /// `None` if no light has a position. Lamps count whatever side of them `p` sees.
+    #[must_use]
+    pub fn near_place(&self, p: Vec3, [choice, x, y]: [f32; 3]) -> Option<Vec3> {
+        let triangle =
+            |light: u32| self.parts.triangles.as_ref().and_then(|all| all.shapes.get(light as usize));
+        let brightness = |light: u32| {
+            let (place, power, least) = match (triangle(light), self.kind(LightId(light))) {
+                (Some(shape), _) => (shape.p[0], shape.power, shape.area),
+                (None, LightKind::Point(i)) => {
+                    let point = &self.parts.points[i as usize];
+                    (point.position, luminance(point.intensity.into()), 0.0)
+                }
+                (None, LightKind::Spot(i)) => {
+                    let spot = &self.parts.spots[i as usize];
+                    (spot.position, luminance(spot.intensity.into()), 0.0)
+                }
+                _ => return 0.0,
+            };
+            let brightness = power / place.distance_squared(p).max(least);
+            if brightness.is_finite() { brightness } else { f32::MAX.sqrt() }
+        };
+        let (light, _) = self.near.tree.choose(p, Vec3::ZERO, choice, brightness)?;
+        if let Some(shape) = triangle(light) {
+            let [b, c] = sampling::triangle([x, y]);
+            return Some(shape.p[0] + (shape.p[1] - shape.p[0]) * b + (shape.p[2] - shape.p[0]) * c);
+        }
+        match self.kind(LightId(light)) {
+            LightKind::Point(i) => Some(self.parts.points[i as usize].position),
+            LightKind::Spot(i) => Some(self.parts.spots[i as usize].position),
+            _ => None,
+        }
+    }
+}
