@@ -228,7 +228,7 @@ fn scatter_lanes<W: Width>(
     let mut alive = there;
     if long != 0 {
         let long = zero.points(long);
-        let keep = roulette::survival_from_eye(throughput.max_element());
+        let keep = roulette::survival_in_medium(throughput.max_element());
         alive = alive & (keep.above(survival) | !long);
         throughput = Vector::pick(long, throughput.over(keep), throughput);
     }

@@ -10,6 +10,9 @@ use gnurt_shading::real::Real;
 const FROM: u32 = 4;
 /// No path continues with more than this probability, once roulette decides.
 const MOST: f32 = 0.95;
+/// The same of paths that a medium scatters, hundreds of times in thick bodies: a loss of one in twenty each time would leave a few
+/// survivors with thousands of times the light.
+const MOST_IN_MEDIUM: f32 = 0.995;
 /// A path from the eye may end if less than one over this is left of its throughput. Survivors carry this
 /// much on average. With termination at any loss, the few survivors would be fireflies where they hit a
 /// light.
@@ -25,6 +28,12 @@ pub(crate) fn decides(edges: u32) -> bool {
 #[inline(always)]
 pub(crate) fn survival_from_eye<R: Real>(left: R) -> R {
     survival(left * SPARED)
+}
+
+/// The same of a path that a medium scatters.
+#[inline(always)]
+pub(crate) fn survival_in_medium<R: Real>(left: R) -> R {
+    (left * SPARED).or_less(left.all(MOST_IN_MEDIUM))
 }
 
 /// The probability that another path continues with this throughput, in its brightest channel.
