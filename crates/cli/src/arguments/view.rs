@@ -183,9 +183,10 @@ pub(crate) struct SurroundingsArguments {
     /// anisotropy, emission
     #[arg(hide_short_help = true, long, value_name = "DISTANCE[:NAME=VALUE...]", value_parser = Fog::parse, allow_hyphen_values = true)]
     pub(crate) fog: Option<Fog>,
-    /// Smoke or a cloud from a file of OpenVDB or NanoVDB, at its place. Values: density (multiplied to the grid's numbers: extinction per
-    /// world unit), albedo, anisotropy, emission, grid=NAME, glow=NAME (grid multiplied to the emission), temperature=NAME
-    /// (grid of kelvins: the emission of black bodies is multiplied, 1 at 2000 K), kelvin (of the unit of that grid); repeatable
+    /// Smoke or a cloud from a file of OpenVDB or NanoVDB, at its place; repeatable. Values: density (multiplied to the grid's
+    /// numbers: extinction per world unit), albedo, anisotropy, emission, grid=NAME, glow=NAME (grid multiplied to the emission).
+    /// For fire: temperature=NAME (grid of kelvins; the emission is multiplied by that of black bodies, 1 at 2000 K), kelvin (of
+    /// the grid's unit)
     #[arg(hide_short_help = true, long = "volume", value_name = "FILE[:NAME=VALUE...]", value_parser = VolumeFile::parse, allow_hyphen_values = true, action = clap::ArgAction::Append)]
     pub(crate) volumes: Vec<VolumeFile>,
 }
