@@ -285,16 +285,33 @@ pub fn read_volume(path: &Path, names: Option<&[String]>) -> Result<Vec<VolumeCe
     let mut all = Vec::new();
     let is_wanted = |grid: &&Grid| names.is_none_or(|names| names.iter().any(|name| name == grid.name()));
     for grid in volume.grids().iter().filter(is_wanted) {
-        let Some(active) = grid.active() else { continue };
         let fault = |what: String| Error::Volume(format!("{}: {what}", path.display()));
-        let place = Place::new(active).map_err(fault)?;
-        let mut values = place.room(grid.channels()).map_err(fault)?;
+        all.extend(VolumeCells::of(grid).map_err(fault)?);
+    }
+    Ok(all)
+}
+
+impl VolumeCells {
+    /// A grid of NanoVDB as programs hold it in memory, without the head of a file.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if the bytes are no grid of numbers, [`Error::Volume`] if it has no active voxels or too many cells.
+    pub fn of_nanovdb(bytes: &[u8]) -> Result<Self, Error> {
+        let volume = Volume::decode_nanovdb_grid(bytes, MOST_BYTES)?;
+        let cells = volume.grids().first().map_or(Ok(None), Self::of).map_err(Error::Volume)?;
+        cells.ok_or_else(|| Error::Volume("the grid has no active cell".into()))
+    }
+
+    /// `None` without active voxels; an error in words where there are too many cells.
+    fn of(grid: &Grid) -> Result<Option<Self>, String> {
+        let Some(active) = grid.active() else { return Ok(None) };
+        let place = Place::new(active)?;
+        let mut values = place.room(grid.channels())?;
         place.each(|at| values.extend_from_slice(&grid.voxel(at)[..grid.channels()]));
         let (size, world_from_unit) = (place.size.map(|n| n as u32), place.world_from_unit(grid));
         let (name, channels) = (grid.name().to_owned(), grid.channels());
-        all.push(VolumeCells { name, size, channels, values, world_from_unit });
+        Ok(Some(Self { name, size, channels, values, world_from_unit }))
     }
-    Ok(all)
 }
 
 /// A box of voxels: the active ones of a grid, with a rim of one voxel.

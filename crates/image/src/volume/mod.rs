@@ -62,6 +62,20 @@ impl Volume {
         } else {
             return Err(corrupt("it does not begin as files of OpenVDB or NanoVDB do"));
         };
+        Self::of(grids, other)
+    }
+
+    /// A grid of NanoVDB as programs hold it in memory, without the head of a file.
+    ///
+    /// # Errors
+    /// As [`decode`](Self::decode).
+    pub fn decode_nanovdb_grid(bytes: &[u8], limit: usize) -> Result<Self, Error> {
+        let budget = &Budget::of_picture(bytes.len() as u64).at_most(limit as u64);
+        let (grids, other) = nanovdb::read_grid(bytes, budget)?;
+        Self::of(grids, other)
+    }
+
+    fn of(grids: Vec<Grid>, other: Option<String>) -> Result<Self, Error> {
         match (&*grids, other) {
             ([], None) => Err(corrupt("no grids")),
             ([], Some(kind)) => Err(corrupt(format!(

@@ -58,6 +58,13 @@ pub(super) fn read(bytes: &[u8], budget: &Budget) -> Result<(Vec<Grid>, Option<S
     Ok((found.grids, found.other))
 }
 
+/// The same of one grid without a segment.
+pub(super) fn read_grid(bytes: &[u8], budget: &Budget) -> Result<(Vec<Grid>, Option<String>), Error> {
+    let mut found = Found::default();
+    found.add(bytes, None, budget)?;
+    Ok((found.grids, found.other))
+}
+
 /// Grids, and the first type that is none of numbers.
 #[derive(Default)]
 struct Found {
