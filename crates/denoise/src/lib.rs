@@ -4,8 +4,8 @@
 //!
 //! Two methods: a filter without dependencies ([`Method::BuiltIn`]), and Intel's Open Image Denoise if its
 //! library is found at run time ([`Method::Oidn`]). Both use features of camera rays' hits, which have
-//! little noise: the picture must have the layers `albedo`, `N` and `variance` of a rendering, or those of what mirrors and
-//! glass show (`seen_*`); `unscattered`, the directly visible light, keeps the edges of lights sharp.
+//! little noise. The picture must have the layers `albedo`, `N` and `variance` of a rendering; those of mirrors and glass
+//! (`seen_*`) come first. `unscattered`, the directly visible light, keeps the edges of lights sharp.
 //! Space: linear light.
 //!
 //! # Limits today

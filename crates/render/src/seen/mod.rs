@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the camera sees in mirrors and through smooth glass: features for denoisers.
+//! Surfaces and light that the camera sees in mirrors and through smooth glass: features for denoisers.
 //! Rays of the camera follow all branches of smooth surfaces, where paths choose one by chance, so that these
 //! layers have less noise than the light. Albedo and normal are those of the surfaces behind; shares of a pixel
 //! are those of the light. `light` is the light of lamps and environment that paths found behind smooth surfaces and
@@ -183,7 +183,7 @@ impl TileSeen {
         }
     }
 
-    /// Adds what the rays in `range` meet; returns those that go on.
+    /// Adds the surfaces and light that the rays in `range` meet; returns those that go on.
     fn gather(
         &mut self,
         tracer: &mut BatchTracer,

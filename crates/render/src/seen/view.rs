@@ -4,7 +4,7 @@
 /// Albedo, normal and split light of a camera ray.
 pub(super) type View = [[f32; 3]; 3];
 
-/// What differs between camera rays of a pixel, the most important of it.
+/// The most important difference between camera rays of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Differs {
     #[default]
@@ -15,7 +15,7 @@ pub(crate) enum Differs {
     Light,
 }
 
-/// What differs between two camera rays of a pixel.
+/// The difference between two camera rays of a pixel, in albedo, normal or light.
 pub(super) fn differ(a: &View, b: &View) -> Differs {
     let off = |layer: usize, most: f32| {
         (0..3).any(|k| {
