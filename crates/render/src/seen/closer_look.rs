@@ -63,7 +63,8 @@ fn look(
     job.camera_rays(some.iter().map(|&i| shown[i]), rays, &mut batch);
     let CameraBatch { rays, keys, hits, .. } = &mut batch;
     tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
-    tracer.stats.camera_rays += keys.len() as u64;
+    // Camera rays are those of samples.
+    tracer.stats.secondary_rays += keys.len() as u64;
     for k in 0..count {
         let first = k * some.len();
         let lanes = first..first + some.len();

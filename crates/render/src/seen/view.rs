@@ -17,13 +17,14 @@ pub(crate) enum Differs {
 
 /// The difference between two camera rays of a pixel, in albedo, normal or light.
 pub(super) fn differ(a: &View, b: &View) -> Differs {
-    let off = |layer: usize, most: f32| {
+    // Light has any scale.
+    let off = |layer: usize, most: f32, scale: f32| {
         (0..3).any(|k| {
             let (a, b) = (a[layer][k], b[layer][k]);
-            (a - b).abs() > most * a.abs().max(b.abs()).max(1.0)
+            (a - b).abs() > most * a.abs().max(b.abs()).max(scale)
         })
     };
-    match (off(0, 0.05) || off(1, 0.2), off(2, 0.05)) {
+    match (off(0, 0.05, 1.0) || off(1, 0.2, 1.0), off(2, 0.05, 0.0)) {
         (_, true) => Differs::Light,
         (true, false) => Differs::Surface,
         (false, false) => Differs::Nothing,
