@@ -196,7 +196,7 @@ fn noise_goes_when_asked_for() {
     let pool = gnurt::thread_pool(1).expect("a thread");
     let stage = load(&pool).expect("the box");
     let camera = SceneCamera::new(&request.camera).expect("a view");
-    let options = RenderOptions { width: 61, height: 47, aovs: true, ..options() };
+    let options = RenderOptions { width: 61, height: 47, aovs: true, seen: true, ..options() };
     let mut picture = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options").picture;
     let how = denoise::Options { method: denoise::Method::BuiltIn, ..denoise::Options::default() };
     denoise::denoise(&mut picture, &how, &pool).expect("it has all layers");
