@@ -400,31 +400,35 @@ fn dense(grid: &Grid, glow: Option<&Grid>, heat: Option<(&Grid, f32)>) -> Result
     let mut density = place.room(1)?;
     let mut emission = if has_emission { place.room(1)? } else { Vec::new() };
     // All grids may have cells of their own.
-    let other = |other: &Grid, at: [i32; 3]| {
-        let there = other.index_from_world() * grid.index_from_world().inverse();
-        let there = there.transform_point3(at.map(f64::from).into());
-        other.voxel(there.to_array().map(|x| x.round() as i32)).map(sound)
+    let world_from_index = grid.index_from_world().inverse();
+    let reader = |other: &Grid| {
+        let (other, there) = (other.clone(), other.index_from_world() * world_from_index);
+        move |at: [i32; 3]| {
+            let place = there.transform_point3(at.map(f64::from).into());
+            other.voxel(place.to_array().map(|x| x.round() as i32)).map(sound)
+        }
     };
+    let glow = glow.map(|glow| (glow.channels(), reader(glow)));
+    let heat = heat.map(|(heat, kelvin)| (reader(heat), kelvin));
     let mut hottest = 0.0_f32;
     place.each(|at| {
         density.push(sound(grid.voxel(at)[0]));
         if has_emission {
-            let glow = glow.map_or([1.0; 3], |glow| {
-                let value = other(glow, at);
-                if glow.channels() == 1 { [value[0]; 3] } else { value }
-            });
-            emission.push(glow);
+            emission.push(glow.as_ref().map_or([1.0; 3], |(channels, glow)| {
+                let value = glow(at);
+                if *channels == 1 { [value[0]; 3] } else { value }
+            }));
         }
-        if let Some((heat, kelvin)) = heat {
-            hottest = hottest.max(other(heat, at)[0] * kelvin);
+        if let Some((heat, kelvin)) = &heat {
+            hottest = hottest.max(heat(at)[0] * kelvin);
         }
     });
-    if let Some((grid, kelvin)) = heat {
-        let heat = Heat::upto(hottest).ok_or("no colours of black bodies")?;
+    if let Some((heat, kelvin)) = heat {
+        let bodies = Heat::upto(hottest).ok_or("no colours of black bodies")?;
         let mut cells = emission.iter_mut();
         place.each(|at| {
             if let Some(cell) = cells.next() {
-                let color = heat.at(other(grid, at)[0] * kelvin);
+                let color = bodies.at(heat(at)[0] * kelvin);
                 *cell = std::array::from_fn(|c| cell[c] * color[c]);
             }
         });

@@ -3,17 +3,12 @@
 //! `data/nano` was written by NanoVDB 32.9 from the grids of `data/grids.vdb.gz`. `types.txt` has, for each grid, voxels and the
 //! values that NanoVDB reads there.
 
-use std::io::Read;
+mod common;
 
+use common::unpacked;
 use gnurt_image::{Grid, Volume};
 
 const ENOUGH: usize = 1 << 28;
-
-fn unpacked(packed: &[u8]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).unwrap();
-    bytes
-}
 
 fn grids() -> Vec<u8> {
     unpacked(include_bytes!("data/nano/grids.nvdb.gz"))

@@ -2,17 +2,14 @@
 //! Volumes against OpenVDB 12's values of its own files, small files written here, and broken ones.
 //! `data/grids.txt` has, for each grid, its name and active voxels, then voxels and their values.
 
-use std::io::{Read, Write};
+mod common;
 
+use std::io::Write;
+
+use common::unpacked;
 use gnurt_image::Volume;
 
 const ENOUGH: usize = 1 << 26;
-
-fn unpacked(packed: &[u8]) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).unwrap();
-    bytes
-}
 
 fn grids() -> Vec<u8> {
     unpacked(include_bytes!("data/grids.vdb.gz"))

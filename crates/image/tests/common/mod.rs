@@ -2,6 +2,8 @@
 //! Pictures and files that the tests of this folder share.
 #![allow(dead_code, reason = "each test program uses some of these")]
 
+use std::io::Read;
+
 use gnurt_image::{ExrPixels, Layer, Picture, PictureFormat, WriteOptions, encode};
 
 /// A picture with values of all magnitudes and three layers.
@@ -70,4 +72,11 @@ where
         encoder.write_image::<C>(*width, *height, values).expect("sizes fit");
     }
     file.into_inner()
+}
+
+/// The bytes that gzip packed.
+pub(crate) fn unpacked(packed: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).unwrap();
+    bytes
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays that smooth surfaces send on, all branches of them, in place of the one that a path chooses. Rare ones are followed
-//! by chance. Space: world.
+//! by chance. Space: world. Tests: crates/render/tests/seen.rs.
 
 use glam::Vec3;
 use gnurt_accel::RayBatch;

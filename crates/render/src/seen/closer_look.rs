@@ -26,7 +26,7 @@ const BEYOND: [u32; 3] = [1 << 24, 2 << 24, 3 << 24];
 
 /// Adds those of `sample`, which was the last one, to the layers of mirrors and glass, if a tile has them.
 pub(crate) fn take(job: &Job, tile: &mut TileFilm, tracer: &mut BatchTracer, sample: u32) {
-    if job.options.pixel_centres || sample >= FIRST || !follows(tracer) {
+    if !job.options.seen || job.options.pixel_centres || sample >= FIRST || !follows(tracer) {
         return;
     }
     let shown: Vec<[u32; 2]> = tile.pixels().collect();

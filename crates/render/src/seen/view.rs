@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One camera ray's view of a pixel, and how it differs from another one: at edges, many rays are worth their time.
+//! Space: world; linear light. Tests: crates/render/tests/seen.rs.
 
 /// Albedo, normal and split light of a camera ray.
 pub(super) type View = [[f32; 3]; 3];

@@ -9,7 +9,7 @@ use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*};
 
 use super::film::Film;
-use super::lobe::{Kind, Lobe};
+use super::lobe::{Kind, Lobe, POLISHED};
 use super::lobes::{Lobes, MOST};
 use super::lobes_at::{LobesAt, Rarities};
 use super::medium::Medium;
@@ -361,10 +361,10 @@ impl ClosureBatch {
     /// Whether microfacets of a mirror are all that point `i` scatters light by.
     #[must_use]
     pub fn is_polished(&self, i: usize) -> bool {
-        let (block, lane) = (&self.blocks[i / LANES], i % LANES);
-        let all = block.lobes[..block.count as usize].iter().map(|rows| rows.get(lane));
-        let mut lobes = all.filter(|lobe| !lobe.is_black());
-        lobes.next().is_some_and(|lobe| lobe.is_polished()) && lobes.next().is_none()
+        let mut lobes = self.widths(i);
+        let (Some((_, alpha)), None) = (lobes.next(), lobes.next()) else { return false };
+        let is_polished = |lobe: &Lobe| lobe.is_black() || lobe.is_polished();
+        alpha <= POLISHED && self.point(i).bsdf.lobes().as_slice().iter().all(is_polished)
     }
 
     /// Whether glass of point `i` bends colours into different directions.

@@ -60,7 +60,7 @@ pub enum Kind {
 }
 
 /// Widths of slopes up to which reflections look like those in mirrors; twice the least width.
-const POLISHED: f32 = 2.0 * ggx::SMALLEST_ALPHA;
+pub(super) const POLISHED: f32 = 2.0 * ggx::SMALLEST_ALPHA;
 
 impl Kind {
     /// In the order of their numbers.
