@@ -15,6 +15,7 @@ from . import aovs, catchers, holdouts, kept, light_passes, motion, passes, seen
 from .nodes import scripts
 from .scene import Export
 from .speeds import Speeds
+from .still import Still
 from .warned import Warned
 
 # Seconds between two pictures on the screen.
@@ -74,12 +75,17 @@ class GnurtEngine(bpy.types.RenderEngine):
         camera_now = camera.evaluated_get(depsgraph)
         has_catchers = catchers.are_there(depsgraph)
 
+        name = scene.name, layer.name
+        # Other times of the same frame are evaluated for motion; then the list of updates is not that of the frame.
+        still = Still(depsgraph, kept.holds(name, getattr(self, "shown", None)) and not ways and not speeds)
+
         def made(recorder):
             part = "others" if has_catchers else None
-            export = Export(depsgraph, size, camera_now, warned=warned, recorder=recorder, shapes=ways and ways.shapes, part=part)
+            export = Export(depsgraph, size, camera_now, warned=warned, recorder=recorder, shapes=ways and ways.shapes, part=part, still=still)
             return export if export.put_all(self.is_stopped) else None
 
-        export = kept.exported((scene.name, layer.name), made, scene.render.use_persistent_data)
+        export = kept.exported(name, made, scene.render.use_persistent_data)
+        self.shown = export.scene.scene if export and scene.render.use_persistent_data else None
         if export is None:
             return
         has_holdouts = holdouts.are_there(export, depsgraph)

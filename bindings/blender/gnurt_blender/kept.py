@@ -9,6 +9,7 @@ import hashlib
 
 import gnurt
 import numpy as np
+from gnurt._gnurt import _hash_array
 
 _last = {}
 
@@ -24,7 +25,7 @@ def digest(*values):
     def add(value):
         if isinstance(value, np.ndarray):
             made.update(repr((value.shape, value.dtype.str)).encode())
-            made.update(np.ascontiguousarray(value).data)
+            made.update(_hash_array(np.ascontiguousarray(value).reshape(-1).view(np.uint8)))
         elif isinstance(value, dict):
             for name in value:
                 add(name)
@@ -43,10 +44,12 @@ def digest(*values):
 
 
 class Recorder:
-    """A scene of the package that remembers its calls; `log` is that of the frame whose scene is changed."""
+    """A scene of the package that remembers its calls; `log` is that of the frame whose scene is changed, `read` its `meshes`."""
 
-    def __init__(self, scene=None, log=()):
+    def __init__(self, scene=None, log=(), read=None):
         self.scene, self.log, self.calls = scene or gnurt.Scene(), log, []
+        # By object: the slots that its mesh uses, a hash of how its material reads it, and its number.
+        self.read, self.meshes = read or {}, {}
 
     def _next(self, kind, *keys):
         """The last frame's call at this place: its number and what of it is equal; None in a new scene."""
@@ -105,6 +108,19 @@ class Recorder:
             if not same:
                 self.scene.set_mesh(number, vertices, faces, **properties)
             self._move(number, still, seen, transform, rays)
+        return self._put("mesh", number, *keys)
+
+    def repeat_mesh(self, name, how, transform, rays):
+        """Shows the mesh of an object as it was in the last frame; None if it must be read for `how`."""
+        used, known, number = self.read[name]
+        if known != how or len(self.calls) >= len(self.log):
+            return None
+        keys = self.log[len(self.calls)][2][0], digest(transform), digest(rays)
+        found, (_, still, seen) = self._next("mesh", *keys)
+        if found != number:
+            raise Rebuild
+        self._move(number, still, seen, transform, rays)
+        self.meshes[name] = used, how, number
         return self._put("mesh", number, *keys)
 
     def add_curves(self, vertices, radii, **properties):
@@ -213,8 +229,13 @@ def exported(name, make, is_kept):
         export = make(Recorder())
     if export is not None:
         _last.clear()
-        _last[name] = (export.scene.scene, export.scene.calls)
+        _last[name] = (export.scene.scene, export.scene.calls, export.scene.meshes)
     return export
+
+
+def holds(name, scene):
+    """Whether the last frame of this name is in `scene`."""
+    return scene is not None and name in _last and _last[name][0] is scene
 
 
 def clear():

@@ -5,6 +5,7 @@ Space: the object's. Attributes have names as `nodes.tree.Code.attribute` gives 
 """
 
 import numpy as np
+from gnurt._gnurt import _divide_polygons
 
 
 def flat(collection, name, dtype, width=1):
@@ -23,19 +24,14 @@ def whole(mesh, attribute, name, dtype, width, collection, other):
 
 
 def triangulated(mesh, vertices, corners, totals):
-    """The corners of triangles, (n, 3): as Blender divides polygons, and without a look at each where all have three or four corners."""
-    count = len(totals)
-    if count and (totals == 3).all():
-        return np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
-    if count == 0 or not (totals == 4).all():
-        mesh.calc_loop_triangles()
-        return flat(mesh.loop_triangles, "loops", np.int32, 3)
-    p = vertices[corners.reshape(-1, 4)]
-    across = p[:, 2] - p[:, 0]
-    first, second = np.cross(p[:, 1] - p[:, 0], across), np.cross(across, p[:, 3] - p[:, 0])
-    flipped = np.einsum("ij,ij->i", first, second) < 0
-    cut = np.where(flipped[:, None], np.array([0, 1, 3, 1, 2, 3], np.int32), np.array([0, 1, 2, 0, 2, 3], np.int32))
-    return (cut + 4 * np.arange(count, dtype=np.int32)[:, None]).reshape(-1, 3)
+    """The corners of triangles, (n, 3), their vertices and their polygons: as Blender divides them."""
+    made = _divide_polygons(vertices, corners, totals)
+    if made is not None:
+        return made
+    mesh.calc_loop_triangles()
+    loops = flat(mesh.loop_triangles, "loops", np.int32, 3)
+    # Triangles are in the order of their polygons.
+    return loops, corners[loops], np.repeat(np.arange(len(totals), dtype=np.int32), totals - 2)
 
 
 class MeshArrays:
@@ -47,12 +43,10 @@ class MeshArrays:
         self.vertices = whole(mesh, "position", "vector", np.float32, 3, mesh.vertices, "co")
         corners = whole(mesh, ".corner_vert", "value", np.int32, 1, mesh.loops, "vertex_index")
         totals = flat(mesh.polygons, "loop_total", np.int32)
-        self.loops = triangulated(mesh, self.vertices, corners, totals)
-        self.faces = corners[self.loops]
-        # Triangles are in the order of their polygons.
-        self.polygons = np.repeat(np.arange(len(totals), dtype=np.int32), totals - 2)
+        self.loops, self.faces, self.polygons = triangulated(mesh, self.vertices, corners, totals)
         slots = mesh.attributes.get("material_index")
-        self.slots = np.zeros(len(self.loops), np.int32)
+        # Of each triangle; None where all have the first.
+        self.slots = None
         if slots is not None and slots.domain == "FACE" and len(slots.data):
             self.slots = flat(slots.data, "value", np.int32)[self.polygons]
         self.normals = self._normals()

@@ -9,7 +9,7 @@ import re
 import numpy as np
 
 from . import aovs, cameras, catchers, hashes, images, links, meshes, motion, particles, picture_files, skies, strands, suns, volumes
-from .kept import Recorder
+from .kept import Recorder, digest
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
 from .nodes.surfaces import bump_of_displacement
@@ -122,7 +122,7 @@ class Surroundings:
 class Export:
     """A scene of the package in the making. `overrides` replaces materials: a function of an object that returns shader text or None."""
 
-    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None, shapes=None, masks=False, part=None):
+    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None, shapes=None, masks=False, part=None, still=None):
         self.depsgraph, self.size = depsgraph, size
         self.scene_data, self.view_layer = depsgraph.scene, depsgraph.view_layer
         self.warn = warned or Warned()
@@ -131,6 +131,7 @@ class Export:
         # With shadow catchers the picture has parts.
         self.part = part
         self.scene = recorder or Recorder()
+        self.still = still
         self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
         # Pictures by their numbers in the package.
         self.pictures = {}
@@ -253,6 +254,13 @@ class Export:
         volumes.put_object(self, code, tree, output, found, matrix)
 
     def mesh_of(self, instance, found, slots, matrix, rays):
+        if self.still and found.name_full in self.scene.read and self.still.has(instance, found):
+            used = self.scene.read[found.name_full][0]
+            numbers, wanted, uses_object = self.materials_of(instance, found, slots, used, found.data)
+            number = self.scene.repeat_mesh(found.name_full, self.how(numbers, wanted), matrix, rays)
+            if number is not None:
+                self.names[number] = self.name_of(found, instance)
+                return number, uses_object
         mesh = found.data if found.type == "MESH" else found.to_mesh()
         if mesh is None:
             return None
@@ -267,25 +275,19 @@ class Export:
 
     def add(self, instance, found, slots, matrix, rays, arrays, mesh):
         """Adds arrays with the materials that they use; the number, and whether it is for this instance alone."""
-        used = np.unique(np.clip(arrays.slots, 0, len(slots) - 1))
-        numbers, wanted, uses_object = [], {}, False
-        for slot in used:
-            number, attributes, is_own = self.material(slots[slot], found, mesh, instance, int(slot))
-            numbers.append(number)
-            uses_object |= is_own
-            for (kind, name), known in attributes.items():
-                wanted[known] = (kind, name)
+        of_faces = np.zeros(1, np.int32) if arrays.slots is None else np.clip(arrays.slots, 0, len(slots) - 1)
+        used = np.flatnonzero(np.bincount(of_faces))
+        numbers, wanted, uses_object = self.materials_of(instance, found, slots, used, mesh)
         name = self.name_of(found, instance)
         properties = {"material": numbers, "transform": matrix, "rays": rays, "name": name}
         if len(numbers) > 1:
             places = np.zeros(len(slots), np.int32)
             places[used] = np.arange(len(used))
-            properties["face_materials"] = places[np.clip(arrays.slots, 0, len(slots) - 1)]
+            properties["face_materials"] = places[of_faces]
         if arrays.normals is not None:
             properties["normals"] = arrays.normals
         # Coordinates per corner cost time: only what is read goes over.
-        is_read = self.override is not None or any(self.reads_uv[number] for number in numbers)
-        coordinates = arrays.uv("") if is_read and hasattr(mesh, "uv_layers") else None
+        coordinates = arrays.uv("") if self.read_coordinates(numbers) and hasattr(mesh, "uv_layers") else None
         if coordinates is not None:
             properties["texcoords"] = coordinates
         made = {}
@@ -302,7 +304,27 @@ class Export:
         self.names[number] = name
         if bent:
             self.bent.append(number)
+        elif not instance.is_instance:
+            self.scene.meshes[found.name_full] = used, self.how(numbers, wanted), number
         return number, uses_object
+
+    def materials_of(self, instance, found, slots, used, mesh):
+        """The numbers of the materials of these slots, the attributes that they read, and whether they are for this object alone."""
+        numbers, wanted, uses_object = [], {}, False
+        for slot in used:
+            number, attributes, is_own = self.material(slots[slot], found, mesh, instance, int(slot))
+            numbers.append(number)
+            uses_object |= is_own
+            for (kind, name), known in attributes.items():
+                wanted[known] = (kind, name)
+        return numbers, wanted, uses_object
+
+    def read_coordinates(self, numbers):
+        return self.override is not None or any(self.reads_uv[number] for number in numbers)
+
+    def how(self, numbers, wanted):
+        """A hash of what materials ask of a mesh."""
+        return digest(numbers, sorted(wanted.items()), self.read_coordinates(numbers))
 
     def particle_hair(self, instance, found):
         """Hair of particle systems, which belongs to an emitter."""

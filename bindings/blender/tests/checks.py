@@ -10,7 +10,7 @@ import tempfile
 import time
 import types
 
-from common import background, bpy, camera, filled, floor, gnurt_blender, light, material, np, render, shape, start  # isort: skip
+from common import background, bpy, camera, filled, floor, gnurt_blender, light, load, material, np, render, shape, start  # isort: skip
 import loops
 import mathutils
 from gnurt_blender import kept as _, strands  # noqa: F401
@@ -555,6 +555,63 @@ def persistent_data_shows_the_same():
     # Another object: the scene is built anew.
     shape("cube", (0, -1, 2))
     assert np.abs(render("GNURT", 8) - kept).max() > 0.01
+
+
+@check
+def animations_read_what_changes():
+    """With persistent data, frames of an animation are those of single pictures, and only meshes that change are read."""
+    from gnurt_blender import meshes
+
+    read, whole = [], meshes.MeshArrays.__init__
+
+    def counted(self, mesh):
+        read.append((bpy.context.scene.frame_current, mesh.name))
+        whole(self, mesh)
+
+    def animated(has_materials):
+        start()
+        SCENES["textured"]()
+        ball, cube = bpy.data.objects["Sphere"], bpy.data.objects["Cube"]
+        roughness = bpy.data.materials["noise"].node_tree.nodes["Principled BSDF"].inputs["Roughness"]
+        cube.shape_key_add(name="basis")
+        key = cube.shape_key_add(name="shape")
+        for point in key.data:
+            point.co.x *= 0.5
+        for frame in (1, 2, 3):
+            ball.location.x += 0.3 * (frame > 1)
+            ball.keyframe_insert("location", frame=frame)
+            key.value = 0.5 * (frame == 2)
+            key.keyframe_insert("value", frame=frame)
+            if has_materials:
+                roughness.default_value = 0.1 * frame
+                roughness.keyframe_insert("default_value", frame=frame)
+
+    for has_materials in (False, True):
+        animated(has_materials)
+        scene = bpy.context.scene
+        scene.frame_start, scene.frame_end, scene.gnurt.samples = 1, 3, 4
+        scene.render.engine, scene.render.use_persistent_data = "GNURT", True
+        gnurt_blender.kept.clear()
+        read.clear()
+        meshes.MeshArrays.__init__ = counted
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                scene.render.filepath = os.path.join(folder, "####")
+                bpy.ops.render.render(animation=True)
+                kept = [load(os.path.join(folder, f"{frame:04}.exr")) for frame in (1, 2, 3)]
+        finally:
+            meshes.MeshArrays.__init__ = whole
+        per_frame = [sorted(name for at, name in read if at == frame) for frame in (1, 2, 3)]
+        everything = ["Cube", "Plane", "Sphere"]
+        later = everything if has_materials else ["Cube", "Sphere"]
+        assert per_frame == [everything, later, later], f"{per_frame}"
+        scene.render.use_persistent_data = False
+        for frame in (1, 2, 3):
+            scene.frame_set(frame)
+            fresh = render("GNURT", 4)
+            difference = np.abs(kept[frame - 1] - fresh).max()
+            assert np.allclose(kept[frame - 1], fresh, rtol=1e-4, atol=1e-4), f"frame {frame} differs by {difference}"
+        assert min(np.abs(a - b).max() for a, b in zip(kept, kept[1:])) > 0.05, "nothing moves"
 
 
 @check

@@ -20,6 +20,7 @@ mod media;
 mod moments;
 mod picture;
 mod pixels;
+mod polygons;
 mod pool;
 mod program;
 mod ray_scene;
@@ -43,6 +44,8 @@ fn _gnurt(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(program::program, module)?)?;
     module.add_function(wrap_pyfunction!(media::_read_volume, module)?)?;
+    module.add_function(wrap_pyfunction!(polygons::_divide_polygons, module)?)?;
+    module.add_function(wrap_pyfunction!(polygons::_hash_array, module)?)?;
     module.add_class::<hits::Hits>()?;
     module.add_class::<hits::AllHits>()?;
     module.add_class::<picture::Picture>()?;

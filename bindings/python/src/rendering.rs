@@ -35,7 +35,6 @@ use crate::watch::{Watch, watched};
 pub(crate) struct BuildRequest {
     pub(crate) view: View,
     pub(crate) threads: ThreadCount,
-    options: RenderOptions,
     layers: bool,
     /// The layers that are kept; `None` = all that there are.
     list: Option<LayerList>,
@@ -101,12 +100,11 @@ impl BuildRequest {
             camera: aim(&mut given)?,
             at: moment(&mut given)?,
             shutter: given.number("shutter", 0.0, 1e9)?.unwrap_or(0.0),
-            size: [width, height],
             camera_shader: camera_shader(&mut given)?,
             pixel_shader: pixel_shader(&mut given, space)?,
             motion: motion_keys(&mut given)?,
-            integrator: options.integrator,
             needs_names: !options.mattes.kinds.is_empty(),
+            picture: options,
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
             bounds: None,
         };
@@ -118,11 +116,11 @@ impl BuildRequest {
         }
         let threads = given.whole("threads", 0, 1024)?.unwrap_or(0) as usize;
         given.end()?;
-        Ok(Self { view, threads: ThreadCount::new(threads)?, options, layers, list, light_groups, denoise })
+        Ok(Self { view, threads: ThreadCount::new(threads)?, layers, list, light_groups, denoise })
     }
 
     pub(crate) fn options(&self) -> &RenderOptions {
-        &self.options
+        &self.view.picture
     }
 
     pub(crate) fn denoiser(&self) -> Option<Method> {
@@ -131,19 +129,19 @@ impl BuildRequest {
 
     /// The part of the picture that is rendered, if it is not all.
     pub(crate) fn crop(&self) -> Option<[u32; 4]> {
-        self.options.crop.and_then(|_| self.options.region().ok())
+        self.options().crop.and_then(|_| self.options().region().ok())
     }
 
     /// The origin of a picture, under the seed of the request plus a number.
     pub(crate) fn making(&self, shot: Shot, number: u64) -> Making {
         let Shot { exposure, named, .. } = shot;
-        Making { exposure, named, seed: self.options.seed.wrapping_add(number) }
+        Making { exposure, named, seed: self.options().seed.wrapping_add(number) }
     }
 
     /// The picture of a shot, without samples, under the seed of the request plus a number.
     fn begun(&self, shot: &Shot, number: u64) -> PyResult<Accumulation> {
         let error = |why: &dyn std::fmt::Display| PyValueError::new_err(format!("layers: {why}"));
-        let mut options = self.options.clone();
+        let mut options = self.options().clone();
         options.seed = options.seed.wrapping_add(number);
         if self.light_groups {
             let groups: Vec<&str> = shot.groups.iter().map(String::as_str).collect();
@@ -194,7 +192,7 @@ impl BuildRequest {
         let begun = self.begun(shot, number)?;
         let light_layers = begun.options().light_layers.clone();
         let mut frame = render_on(begun, &shot.world, &*shot.camera, pool, watch, None, &mut |_| {});
-        if self.options.aovs {
+        if self.options().aovs {
             add(&mut frame.picture);
         }
         Ok((frame.picture, light_layers, frame.stats))
@@ -238,8 +236,8 @@ impl BuildRequest {
             mattes::describe(&mut picture, scene);
         }
         picture.set_metadata("seed", making.seed.to_string());
-        picture.set_metadata("integrator", self.options.integrator.to_string());
-        picture.set_metadata("filter", self.options.filter.to_string());
+        picture.set_metadata("integrator", self.options().integrator.to_string());
+        picture.set_metadata("filter", self.options().filter.to_string());
         if self.layers {
             picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
         }
@@ -407,7 +405,7 @@ impl Growing {
         let making = Making {
             exposure: self.shot.exposure,
             named: self.shot.named.clone(),
-            seed: self.request.options.seed,
+            seed: self.request.options().seed,
         };
         py.detach(|| self.request.finished(picture, &light, &stats, &making))
     }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use gnurt::defaults::{self, Bounds, Purpose};
 use gnurt::image::WorkingSpace;
 use gnurt::osl::{CameraScript, Script};
-use gnurt::render::{CommitOptions, Integrator, ShaderTable, World};
+use gnurt::render::{CommitOptions, Integrator, RenderOptions, ShaderTable, World};
 use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Affine, Camera, CameraId, InstanceId, Scene, Texture, TextureId};
 use gnurt::shading::texture::TextureSampler;
@@ -28,15 +28,14 @@ pub(crate) struct View {
     pub(crate) at: Option<(Clip, f64)>,
     /// For how long the shutter is open from then, in seconds.
     pub(crate) shutter: f64,
-    /// Of the picture, in pixels.
-    pub(crate) size: [u32; 2],
+    /// Size, samples and integrator of the picture.
+    pub(crate) picture: RenderOptions,
     /// Rays that replace the camera's, and the script that makes them.
     pub(crate) camera_shader: Option<(Script, CameraScript)>,
     /// The pixel shader, and its script.
     pub(crate) pixel_shader: Option<(Script, Arc<dyn PixelShader>)>,
     /// Motion during an open shutter, in addition to a clip.
     pub(crate) motion: Option<MotionKeys>,
-    pub(crate) integrator: Integrator,
     pub(crate) force_diffuse: bool,
     /// The space in which light is computed.
     pub(crate) space: WorkingSpace,
@@ -264,7 +263,7 @@ impl Stage {
         let camera = self.camera(view, bounds)?;
         let number = if matches!(view.camera, Aim::Own(_)) { None } else { self.number(view)? };
         let camera_shader = self.camera_shader(view, number);
-        let is_plain = matches!(view.integrator, Integrator::Eyelight | Integrator::Normals);
+        let is_plain = matches!(view.picture.integrator, Integrator::Eyelight | Integrator::Normals);
         let request = (camera.clone(), is_plain);
         if self.shown.as_ref().is_some_and(|shown| shown.is_bent) {
             self.shown = None;
@@ -296,6 +295,7 @@ impl Stage {
         let camera = number.map_or(camera, |number| shown.scene.cameras()[number].clone());
         let (force_diffuse, space) = (view.force_diffuse, view.space);
         let options = CommitOptions { force_diffuse, space, ..CommitOptions::default() };
+        let options = options.for_picture(&shown.scene, &view.picture);
         let pixel = view.pixel_shader.as_ref().map(|(_, pixel)| pixel.clone());
         let shaders = ShaderTable { pixel, ..self.shaders.clone() };
         let scene = &shown.scene;
@@ -309,8 +309,10 @@ impl Stage {
             .map(|motion| &motion.cameras[..])
             .filter(|keys| !keys.is_empty())
             .unwrap_or(keys);
-        let rays = camera_rays_along(keys, camera_shader.as_ref(), view.size).ok_or_else(no_view)?;
-        let exposure = if view.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
+        let rays = camera_rays_along(keys, camera_shader.as_ref(), [view.picture.width, view.picture.height])
+            .ok_or_else(no_view)?;
+        let exposure =
+            if view.picture.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
         let groups = scene.labels().group_names().into_iter().map(str::to_owned).collect();
         let named = view.needs_names.then(|| scene.clone());
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure, groups, named })
@@ -418,7 +420,7 @@ impl Stage {
         if let Aim::Own(camera) = &view.camera {
             return Ok(camera.clone());
         }
-        let aspect = view.size[0] as f32 / view.size[1] as f32;
+        let aspect = view.picture.width as f32 / view.picture.height as f32;
         Ok(match self.number(view)? {
             Some(number) => self.scene.cameras()[number].clone(),
             None => defaults::framing(bounds.or_else(|| defaults::bounds_of(&self.scene)), aspect),

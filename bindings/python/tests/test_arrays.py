@@ -102,3 +102,34 @@ def test_help_says_what_each_call_takes():
     for name, member in vars(gnurt.RayScene.__base__).items():
         if not name.startswith("_"):
             assert member.__doc__, name
+
+
+def test_polygons_are_divided():
+    from gnurt._gnurt import _divide_polygons
+
+    # A triangle, a square, and a quad that folds at its first diagonal.
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.2, 0.2, 0]], np.float32)
+    corners = np.array([0, 1, 2, 0, 1, 2, 3, 1, 4, 3, 2], np.int32)
+    loops, faces, polygons = _divide_polygons(vertices, corners, np.array([3, 4, 4], np.int32))
+    assert (corners[loops] == faces).all()
+    assert polygons.tolist() == [0, 1, 1, 2, 2]
+    assert faces.tolist() == [[0, 1, 2], [0, 1, 2], [0, 2, 3], [1, 4, 2], [4, 3, 2]]
+    area = np.cross(*(vertices[faces[:, k]] - vertices[faces[:, 0]] for k in (1, 2)))[:, 2]
+    assert (area[:3] > 0).all() and (area[3:] < 0).all(), "no side is turned"
+    assert _divide_polygons(vertices, corners[:5], [5]) is None, "five corners"
+    with pytest.raises(ValueError, match="there is no vertex 5"):
+        _divide_polygons(vertices, [0, 1, 5], [3])
+    with pytest.raises(ValueError, match="there is no vertex -1"):
+        _divide_polygons(vertices, [0, 1, -1], [3])
+    with pytest.raises(ValueError, match="sum"):
+        _divide_polygons(vertices, [0, 1, 2, 3], [3])
+
+
+def test_hashes_of_arrays():
+    from gnurt._gnurt import _hash_array
+
+    bytes_of = np.arange(1000, dtype=np.uint8)
+    changed = bytes_of.copy()
+    changed[999] ^= 1
+    assert len(_hash_array(bytes_of)) == 16
+    assert _hash_array(bytes_of) == _hash_array(bytes_of.copy()) != _hash_array(changed)

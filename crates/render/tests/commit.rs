@@ -5,8 +5,10 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 use crate::common::*;
-use gnurt_accel::Ray;
-use gnurt_render::{CommitError, CommitOptions, CommitReport, ShaderTable, World};
+use gnurt_accel::{Quality, Ray};
+use gnurt_render::{
+    CommitError, CommitOptions, CommitReport, Integrator, RenderOptions, ShaderTable, Silent, World, render,
+};
 use gnurt_scene::{Affine, InstanceId, Material, MaterialId, MeshId, Motion, ObjectId, Scene, Surface};
 
 fn update(world: &mut World, scene: &Scene) -> CommitReport {
@@ -46,6 +48,34 @@ fn only_what_changed_is_built() {
     let forced = CommitOptions { force_diffuse: true, ..CommitOptions::default() };
     world.commit(&scene, &ShaderTable::default(), &forced, &pool(2)).expect("sound");
     assert!(world.stats().triangles > 0, "other options are fine too");
+}
+
+#[test]
+fn few_rays_get_trees_that_are_soon_built_and_see_the_same() {
+    let mut scene = floor(0.5, 5.0);
+    put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 0.5, 64, MaterialId(0)));
+    let how = |options: &RenderOptions| CommitOptions::default().for_picture(&scene, options);
+    let (few, many) = (how(&options(16, 16, 1)), how(&options(64, 64, 64)));
+    assert_eq!((few.quality, many.quality), (Quality::Fast, Quality::Medium));
+    let virtual_lights = RenderOptions { integrator: Integrator::InstantRadiosity, ..options(16, 16, 1) };
+    assert_eq!(how(&virtual_lights).quality, Quality::Medium, "each sample asks many lights");
+
+    let mut world = World::new();
+    let mut built = |how: &CommitOptions| {
+        let done = world.commit(&scene, &ShaderTable::default(), how, &pool(2)).expect("sound");
+        (done.built_objects, picture_of(&world))
+    };
+    let (first, soon) = built(&few);
+    assert_eq!((first, built(&few).0), (2, 0));
+    let (again, late) = built(&many);
+    assert_eq!(again, 2, "better trees are built");
+    assert_eq!(built(&few).0, 0, "and kept");
+    assert!(soon == late, "the picture is the same");
+}
+
+fn picture_of(world: &World) -> Vec<[f32; 4]> {
+    let camera = camera([0.0, -6.0, 3.0], [0.0; 3], 40.0);
+    render(world, &camera, &options(32, 32, 4), &pool(2), &Silent).expect("sound").picture.color
 }
 
 #[test]

@@ -404,6 +404,7 @@ pub(super) fn commit_options(frame: &FrameArguments, trees: &TreeArguments, leve
         level,
         memory: trees.memory,
         space: frame.working_space,
+        ..CommitOptions::default()
     }
 }
 

@@ -57,7 +57,7 @@ fn prepare(
         view::choose(&mut scene, &shaders.table, &arguments.view, frame.resolution, stage, messages)?;
     view::tell_left_out(&scene, frame.integrator, messages);
     let load_time = begin.elapsed();
-    let how = commit_options(frame, &arguments.trees, options.level);
+    let how = commit_options(frame, &arguments.trees, options.level).for_picture(&scene, options);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
     let (options, list) = light_layers::complete(options, arguments, &scene, messages);
     light_layers::check(&world, &scene, &options)?;

@@ -59,7 +59,8 @@ impl World {
     ) -> Result<CommitReport, CommitError> {
         let start = Instant::now();
         let followed = self.follows.as_ref();
-        let followed = followed.filter(|it| it.options == *options && it.identity == *scene.identity());
+        let followed = followed.filter(|it| it.options.serves(options) && it.identity == *scene.identity());
+        let options = &followed.map_or(*options, |followed| followed.options);
         let (mut world, mut dirty) = match followed {
             Some(followed) => {
                 (self.clone(), DirtyParts::since(followed.cursor, scene, &self.materials, shaders))
@@ -195,7 +196,7 @@ impl World {
                 &self.crowds,
                 &dirty_objects,
                 (scene, exposure),
-                options.memory,
+                object_build::build_options(options),
                 pool,
             );
             members::update(objects, &before, &dirty_objects, (scene, exposure), pool, &mut rebuilt);

@@ -8,8 +8,7 @@ use std::sync::Arc;
 
 use gnurt_accel::threads;
 use gnurt_accel::{
-    BuildOptions, Geometry, Memory, Motion, MovingTree, MovingTriangles, ObjectTree, SharedList, Threads,
-    Update,
+    BuildOptions, Geometry, Motion, MovingTree, MovingTriangles, ObjectTree, SharedList, Threads, Update,
 };
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Mesh, MeshId, Scene};
@@ -18,6 +17,7 @@ use super::areas::Areas;
 use super::crowds::{Crowds, Kind};
 use super::object::{ObjectSlot, WorldObject, bends, materials_of};
 use super::strands::Arrays;
+use super::table::CommitOptions;
 
 /// Objects that became others, ascending.
 #[derive(Default)]
@@ -37,16 +37,16 @@ pub(super) fn update(
     crowds: &Crowds,
     dirty: &[u32],
     scene: (&Scene, &Exposure),
-    memory: Memory,
+    trees: BuildOptions,
     pool: &rayon::ThreadPool,
 ) -> ChangedObjects {
     let needed = |&&id: &&u32| objects[id as usize].users > 0;
     let ids: Vec<u32> = dirty.iter().filter(needed).copied().collect();
     // The kinds of all are known before the first is built, because these identify the crowds.
     let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
-    prepare_crowds(&found, memory, pool);
+    prepare_crowds(&found, &trees, pool);
     let build = |found: &Found| {
-        let (object, update) = build(found, memory, pool);
+        let (object, update) = build(found, &trees, pool);
         (Arc::new(object), update)
     };
     let made: Vec<(Arc<WorldObject>, Option<Update>)> = match &found[..] {
@@ -123,7 +123,7 @@ impl Found {
 
 /// Builds the structures that objects of a kind will share, over the first of them: once, by all threads.
 /// Parallel builds of the same crowd would not wait for each other, but each build the structure.
-fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
+fn prepare_crowds(found: &[Found], trees: &BuildOptions, pool: &rayon::ThreadPool) {
     let mut visible: HashSet<*const Kind> = HashSet::new();
     let firsts: Vec<(&Found, &Arc<Kind>)> = found
         .iter()
@@ -131,7 +131,7 @@ fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
         .filter(|(_, kind)| visible.insert(Arc::as_ptr(kind)))
         .collect();
     let prepare = |(found, kind): &(&Found, &Arc<Kind>)| {
-        kind.crowd.prepare(&found.geometries(&found.arrays()), &options(memory), Threads::Pool(pool));
+        kind.crowd.prepare(&found.geometries(&found.arrays()), trees, Threads::Pool(pool));
     };
     match &firsts[..] {
         [first] => prepare(first),
@@ -141,10 +141,10 @@ fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
 
 /// An object, and its update: it keeps the previous tree if no triangle has moved, and refits it if vertices
 /// have. Objects of the same topology share structures.
-fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObject, Option<Update>) {
+fn build(found: &Found, trees: &BuildOptions, pool: &rayon::ThreadPool) -> (WorldObject, Option<Update>) {
     let Found { meshes, keys, motion: moves, kind, before } = found;
     if bends(keys) {
-        return exposed(*moves, meshes.clone(), keys.clone(), memory, pool);
+        return exposed(*moves, meshes.clone(), keys.clone(), trees, pool);
     }
     let known = before.as_ref().map(|before| match before.motion == *moves {
         true => before.moving.clone(),
@@ -156,20 +156,20 @@ fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObjec
         known => {
             let arrays = found.arrays();
             let geometries = found.geometries(&arrays);
-            let (options, threads) = (options(memory), Threads::Pool(pool));
+            let threads = Threads::Pool(pool);
             match (found.crowd(), known) {
                 (Some(kind), known) => {
-                    let tree = kind.crowd.pose(&geometries, &options, threads);
+                    let tree = kind.crowd.pose(&geometries, trees, threads);
                     let is_fitted = known.is_some() && tree.is_posed();
                     let update = if is_fitted { Update::Refitted } else { Update::Rebuilt };
                     (MovingTree::of(tree, motion(*moves)), Some(update))
                 }
                 (None, Some((_, mut moving))) => {
-                    let update = moving.update(&geometries, &options, threads);
+                    let update = moving.update(&geometries, trees, threads);
                     (moving, Some(update))
                 }
                 (None, None) => {
-                    let moving = MovingTree::build(&geometries, &options, motion(*moves), threads);
+                    let moving = MovingTree::build(&geometries, trees, motion(*moves), threads);
                     (moving, Some(Update::Rebuilt))
                 }
             }
@@ -207,7 +207,7 @@ fn exposed(
     motion_of_object: gnurt_scene::Motion,
     meshes: Vec<Arc<Mesh>>,
     keys: Vec<Vec<Arc<Mesh>>>,
-    memory: Memory,
+    trees: &BuildOptions,
     pool: &rayon::ThreadPool,
 ) -> (WorldObject, Option<Update>) {
     let lists: Vec<Vec<&[[f32; 3]]>> =
@@ -222,13 +222,15 @@ fn exposed(
             false => MovingTriangles { keys, indices: &mesh.indices }.into(),
         });
     }
-    let tree = Arc::new(ObjectTree::build_from(&geometries, &options(memory), Threads::Pool(pool)));
+    let tree = Arc::new(ObjectTree::build_from(&geometries, trees, Threads::Pool(pool)));
     let moving = MovingTree::of(tree, motion(motion_of_object));
     (object(moving, motion_of_object, meshes, keys, None, true), Some(Update::Rebuilt))
 }
 
-fn options(memory: Memory) -> BuildOptions {
-    BuildOptions { memory, ..BuildOptions::default() }
+/// How the trees of a commit are built.
+pub(super) fn build_options(options: &CommitOptions) -> BuildOptions {
+    let &CommitOptions { memory, quality, .. } = options;
+    BuildOptions { memory, quality, ..BuildOptions::default() }
 }
 
 fn motion(motion: gnurt_scene::Motion) -> Motion {

@@ -3,10 +3,13 @@
 
 use std::sync::Arc;
 
-use gnurt_accel::Memory;
+use gnurt_accel::{Memory, Quality};
 use gnurt_image::WorkingSpace;
+use gnurt_scene::Scene;
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader};
 use gnurt_simd::Level;
+
+use crate::options::RenderOptions;
 
 /// Shaders that the description only names by number, or not at all.
 #[derive(Clone, Default)]
@@ -32,8 +35,37 @@ pub struct CommitOptions {
     pub level: Level,
     /// Whether trees are to be fast or small; pictures are the same.
     pub memory: Memory,
+    /// How much time the trees of meshes may take for faster rays; pictures are the same. A world that has better ones
+    /// keeps them.
+    pub quality: Quality,
     /// The space in which light is computed; scenes are described in Rec. 709.
     pub space: WorkingSpace,
+}
+
+/// About how many rays the paths of a sample take.
+const RAYS_OF_SAMPLE: u32 = 8;
+
+impl CommitOptions {
+    /// Trees for one picture of a scene: built fast where it takes fewer rays than the scene has primitives.
+    #[must_use]
+    pub fn for_picture(self, scene: &Scene, picture: &RenderOptions) -> Self {
+        let primitives: usize = scene.meshes().iter().map(|mesh| mesh.primitive_count()).sum();
+        let [x0, y0, x1, y1] = picture.region().unwrap_or([0, 0, u32::MAX, u32::MAX]).map(u64::from);
+        let of_sample = if picture.integrator.has_virtual_lights() {
+            picture.vpls.max(RAYS_OF_SAMPLE)
+        } else {
+            RAYS_OF_SAMPLE
+        };
+        let samples = ((x1 - x0) * (y1 - y0)).saturating_mul(picture.spp.into());
+        let is_soon_done = samples.saturating_mul(of_sample.into()) < primitives as u64;
+        Self { quality: if is_soon_done { Quality::Fast } else { Quality::Medium }, ..self }
+    }
+
+    /// Whether a world of these options is one of `others`, but for better trees.
+    pub(super) fn serves(&self, others: &Self) -> bool {
+        let is_as_good = self.quality == others.quality || others.quality == Quality::Fast;
+        is_as_good && *self == Self { quality: self.quality, ..*others }
+    }
 }
 
 /// The work of a commit.

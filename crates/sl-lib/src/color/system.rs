@@ -3,6 +3,8 @@
 //! Source: the chromaticities are those of the named standards; the table of black bodies is OSL's: even in
 //! (T - 800)^(2/3), fifth roots, within 0.1 %. Tests: `tests/colors.rs`.
 
+use std::sync::OnceLock;
+
 use super::convert::{
     RGB_FROM_YIQ, Single, XYZ_to_xyY, YIQ_FROM_RGB, hsl_to_rgb, hsv_to_rgb, linear_to_srgb, rgb_to_hsl,
     rgb_to_hsv, row_times, srgb_to_linear, xyY_to_XYZ,
@@ -47,8 +49,8 @@ pub struct ColorSystem {
     rgb_from_xyz: [[f32; 3]; 3],
     xyz_from_rgb: [[f32; 3]; 3],
     luminance: [f32; 3],
-    /// Fifth roots of black bodies' colours.
-    blackbodies: Vec<[f32; 3]>,
+    /// Fifth roots of black bodies' colours; made when the first is asked for, because it takes milliseconds.
+    blackbodies: OnceLock<Vec<[f32; 3]>>,
 }
 
 impl Default for ColorSystem {
@@ -106,14 +108,15 @@ impl ColorSystem {
         if (rest - luminance[2]).abs() < 0.001 {
             luminance[2] = rest;
         }
-        let mut system = Self { name, rgb_from_xyz, xyz_from_rgb, luminance, blackbodies: vec![] };
-        system.blackbodies = (0..TABLE_SIZE)
-            .map(|i| {
-                let root = (i as f32).sqrt();
-                system.computed_blackbody((root * root * root) * 2.0 + DRAPER).map(|x| x.powf(0.2))
-            })
-            .collect();
-        system
+        Self { name, rgb_from_xyz, xyz_from_rgb, luminance, blackbodies: OnceLock::new() }
+    }
+
+    fn table_of_blackbodies(&self) -> Vec<[f32; 3]> {
+        let entry = |i| {
+            let root = (i as f32).sqrt();
+            self.computed_blackbody((root * root * root) * 2.0 + DRAPER).map(|x| x.powf(0.2))
+        };
+        (0..TABLE_SIZE).map(entry).collect()
     }
 
     /// Its name.
@@ -152,7 +155,8 @@ impl ColorSystem {
         let parameter = root * root;
         let i = parameter as usize;
         let rest = parameter - i as f32;
-        let (low, high) = (self.blackbodies[i], self.blackbodies[i + 1]);
+        let table = self.blackbodies.get_or_init(|| self.table_of_blackbodies());
+        let (low, high) = (table[i], table[i + 1]);
         [0, 1, 2].map(|k| {
             let x = low[k] * (1.0 - rest) + high[k] * rest;
             let square = x * x;
