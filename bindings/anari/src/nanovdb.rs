@@ -2,7 +2,7 @@
 //! Grids of NanoVDB in memory, as values at the points of a box along the axes.
 //! Space: object. Tests: `tests`, with values of NanoVDB's own reader; bytes that are broken: `gnurt-image`'s tests.
 
-use gnurt::VolumeCells;
+use gnurt::scene::volume_cells::VolumeCells;
 
 /// Values in a box, x fastest.
 #[derive(Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub(crate) struct Dense {
 
 /// The values of a grid around its active ones, with a rim of one; an error in words where it is none, or damaged.
 pub(crate) fn dense(bytes: &[u8]) -> Result<Dense, String> {
-    let cells = VolumeCells::of_nanovdb(bytes).map_err(|error| error.to_string())?;
+    let cells = VolumeCells::of_nanovdb(bytes)?;
     if cells.channels != 1 {
         return Err(format!("{} numbers at each point: unsupported; allowed: one", cells.channels));
     }

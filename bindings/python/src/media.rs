@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gnurt::scene::medium::{DensityGrid, Extent, Medium, Phase};
+use gnurt::scene::volume_cells::VolumeCells;
 use gnurt::scene::{Affine, MediumId, Scene};
-use gnurt::{Error, VolumeCells, VolumeFile};
+use gnurt::{Error, VolumeFile};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

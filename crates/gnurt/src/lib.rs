@@ -119,4 +119,4 @@ pub use numbered::Numbered;
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;
 pub use threads::{JoinedPool, cores, thread_pool, workers};
-pub use volumes::{Fog, VolumeCells, VolumeFile, read_volume};
+pub use volumes::{Fog, VolumeFile, read_volume};

@@ -11,13 +11,9 @@ use crate::defaults::bounds_of;
 use crate::error::Error;
 use crate::image::{Grid, Volume};
 use crate::scene::medium::{DensityGrid, Extent, Medium, Phase};
-use crate::scene::{Affine, MediumId, Scene};
+use crate::scene::volume_cells::{Heat, MOST_VOLUME_BYTES, VolumeCells, density_grid};
+use crate::scene::{MediumId, Scene};
 use gnurt_sl_shading::ColorSystem;
-
-/// Most cells of a box around the active ones of a grid: 2 GiB of numbers.
-const MOST_CELLS: u64 = 1 << 29;
-/// Most bytes of a file.
-const MOST_BYTES: usize = 4 << 30;
 
 /// How a medium of an option scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -239,7 +235,7 @@ impl VolumeFile {
     /// # Errors
     /// As [`add_to`](Self::add_to).
     pub fn cells(&self) -> Result<DensityGrid, Error> {
-        let volume = Volume::read(&self.path, MOST_BYTES)?;
+        let volume = Volume::read(&self.path, MOST_VOLUME_BYTES)?;
         let fault = |what: String| self.fault(&what);
         let find = |name: &str| {
             let names: Vec<&str> = volume.grids().iter().map(Grid::name).collect();
@@ -253,27 +249,13 @@ impl VolumeFile {
                 .ok_or_else(|| fault("it has no grid of one number".into()))?,
         };
         let glow = self.glow.as_deref().map(find).transpose()?;
-        let heat = match &self.heat {
-            Some((name, kelvin)) => Some((find(name)?, *kelvin)),
-            None => None,
+        let Some((name, kelvin)) = &self.heat else {
+            return density_grid(grid, glow, None).map_err(fault);
         };
-        dense(grid, glow, heat).map_err(fault)
+        let emission = black_bodies(*kelvin).ok_or_else(|| fault("no colours of black bodies".into()))?;
+        let heat = Heat { grid: find(name)?, emission: &emission };
+        density_grid(grid, glow, Some(&heat)).map_err(fault)
     }
-}
-
-/// The numbers of a grid of a file, in the cells of a box round its active voxels, with a rim of one cell.
-#[derive(Clone, Debug, PartialEq)]
-pub struct VolumeCells {
-    /// The grid's name.
-    pub name: String,
-    /// Columns, rows and layers.
-    pub size: [u32; 3],
-    /// Numbers of a cell: 1 or 3.
-    pub channels: usize,
-    /// x first, then y, then z.
-    pub values: Vec<f32>,
-    /// From the unit cube, which the cells fill, to the file's world.
-    pub world_from_unit: Affine,
 }
 
 /// Reads the grids of a file of OpenVDB or NanoVDB, or only those of some names. Grids without active voxels are left out.
@@ -281,7 +263,7 @@ pub struct VolumeCells {
 /// # Errors
 /// [`Error::Image`] if the file cannot be read, [`Error::Volume`] if a grid has too many cells.
 pub fn read_volume(path: &Path, names: Option<&[String]>) -> Result<Vec<VolumeCells>, Error> {
-    let volume = Volume::read(path, MOST_BYTES)?;
+    let volume = Volume::read(path, MOST_VOLUME_BYTES)?;
     let mut all = Vec::new();
     let is_wanted = |grid: &&Grid| names.is_none_or(|names| names.iter().any(|name| name == grid.name()));
     for grid in volume.grids().iter().filter(is_wanted) {
@@ -291,150 +273,14 @@ pub fn read_volume(path: &Path, names: Option<&[String]>) -> Result<Vec<VolumeCe
     Ok(all)
 }
 
-impl VolumeCells {
-    /// A grid of NanoVDB as programs hold it in memory, without the head of a file.
-    ///
-    /// # Errors
-    /// [`Error::Image`] if the bytes are no grid of numbers, [`Error::Volume`] if it has no active voxels or too many cells.
-    pub fn of_nanovdb(bytes: &[u8]) -> Result<Self, Error> {
-        let volume = Volume::decode_nanovdb_grid(bytes, MOST_BYTES)?;
-        let cells = volume.grids().first().map_or(Ok(None), Self::of).map_err(Error::Volume)?;
-        cells.ok_or_else(|| Error::Volume("the grid has no active cell".into()))
-    }
-
-    /// `None` without active voxels; an error in words where there are too many cells.
-    fn of(grid: &Grid) -> Result<Option<Self>, String> {
-        let Some(active) = grid.active() else { return Ok(None) };
-        let place = Place::new(active)?;
-        let mut values = place.room(grid.channels())?;
-        place.each(|at| values.extend_from_slice(&grid.voxel(at)[..grid.channels()]));
-        let (size, world_from_unit) = (place.size.map(|n| n as u32), place.world_from_unit(grid));
-        let (name, channels) = (grid.name().to_owned(), grid.channels());
-        Ok(Some(Self { name, size, channels, values, world_from_unit }))
-    }
-}
-
-/// A box of voxels: the active ones of a grid, with a rim of one voxel.
-struct Place {
-    low: [i64; 3],
-    size: [u64; 3],
-    cells: u64,
-}
-
-impl Place {
-    fn new([first, last]: [[i32; 3]; 2]) -> Result<Self, String> {
-        let low = first.map(|i| i64::from(i) - 1);
-        let size: [u64; 3] = std::array::from_fn(|k| (i64::from(last[k]) + 1 - low[k] + 1) as u64);
-        let cells = size.iter().try_fold(1_u64, |cells, &n| cells.checked_mul(n));
-        let cells = cells.filter(|&cells| cells <= MOST_CELLS).ok_or_else(|| {
-            format!(
-                "{} x {} x {} cells are too many; at most {MOST_CELLS} are shown",
-                size[0], size[1], size[2]
-            )
-        })?;
-        Ok(Self { low, size, cells })
-    }
-
-    /// Memory for some numbers of each cell.
-    fn room<T>(&self, numbers: usize) -> Result<Vec<T>, String> {
-        let mut room = Vec::new();
-        room.try_reserve_exact(self.cells as usize * numbers).map_err(|_| "too little memory is free")?;
-        Ok(room)
-    }
-
-    /// Visits the voxels, x first.
-    fn each(&self, mut visit: impl FnMut([i32; 3])) {
-        for z in 0..self.size[2] {
-            for y in 0..self.size[1] {
-                for x in 0..self.size[0] {
-                    visit(std::array::from_fn(|k| (self.low[k] + [x, y, z][k] as i64) as i32));
-                }
-            }
-        }
-    }
-
-    /// From the unit cube, which the box fills, to the file's world.
-    fn world_from_unit(&self, grid: &Grid) -> Affine {
-        let world = grid.index_from_world().inverse();
-        let column = |k: usize| world.matrix3.col(k).to_array();
-        let world_from_index =
-            Affine { columns: [column(0), column(1), column(2), world.translation.to_array()] };
-        let low = Affine::translation(self.low.map(|i| i as f64 - 0.5));
-        world_from_index * low * Affine::scale(self.size.map(|n| n as f64))
-    }
-}
-
 /// Kelvins at which a black body's emission counts 1.
 const UNIT_HEAT: f32 = 2000.0;
-/// Steps of the table of black bodies.
-const HEATS: usize = 4096;
 
-/// Emission of black bodies by their temperatures, from 0 to the highest one of a grid.
-struct Heat {
-    step: f32,
-    table: Vec<[f32; 3]>,
-}
-
-impl Heat {
-    fn upto(most: f32) -> Option<Self> {
-        let colors = ColorSystem::named("Rec709")?;
-        let unit = colors.luminance(colors.blackbody(UNIT_HEAT));
-        let step = most.max(f32::MIN_POSITIVE) / (HEATS - 1) as f32;
-        let emission = |i: usize| colors.blackbody(i as f32 * step).map(|x| x / unit);
-        Some(Self { step, table: (0..HEATS).map(emission).collect() })
-    }
-
-    fn at(&self, kelvin: f32) -> [f32; 3] {
-        let place = (kelvin / self.step).clamp(0.0, (HEATS - 1) as f32);
-        let i = (place as usize).min(HEATS - 2);
-        let rest = place - i as f32;
-        std::array::from_fn(|c| self.table[i][c] * (1.0 - rest) + self.table[i + 1][c] * rest)
-    }
-}
-
-/// The cells of a box around the active ones, with a rim of one cell; emission is that of two grids, multiplied.
-fn dense(grid: &Grid, glow: Option<&Grid>, heat: Option<(&Grid, f32)>) -> Result<DensityGrid, String> {
-    let place = Place::new(grid.active().ok_or("its grid has no active cell")?)?;
-    let sound = |x: f32| if x.is_finite() { x.max(0.0) } else { 0.0 };
-    let has_emission = glow.is_some() || heat.is_some();
-    let mut density = place.room(1)?;
-    let mut emission = if has_emission { place.room(1)? } else { Vec::new() };
-    // All grids may have cells of their own.
-    let world_from_index = grid.index_from_world().inverse();
-    let reader = |other: &Grid| {
-        let (other, there) = (other.clone(), other.index_from_world() * world_from_index);
-        move |at: [i32; 3]| {
-            let place = there.transform_point3(at.map(f64::from).into());
-            other.voxel(place.to_array().map(|x| x.round() as i32)).map(sound)
-        }
-    };
-    let glow = glow.map(|glow| (glow.channels(), reader(glow)));
-    let heat = heat.map(|(heat, kelvin)| (reader(heat), kelvin));
-    let mut hottest = 0.0_f32;
-    place.each(|at| {
-        density.push(sound(grid.voxel(at)[0]));
-        if has_emission {
-            emission.push(glow.as_ref().map_or([1.0; 3], |(channels, glow)| {
-                let value = glow(at);
-                if *channels == 1 { [value[0]; 3] } else { value }
-            }));
-        }
-        if let Some((heat, kelvin)) = &heat {
-            hottest = hottest.max(heat(at)[0] * kelvin);
-        }
-    });
-    if let Some((heat, kelvin)) = heat {
-        let bodies = Heat::upto(hottest).ok_or("no colours of black bodies")?;
-        let mut cells = emission.iter_mut();
-        place.each(|at| {
-            if let Some(cell) = cells.next() {
-                let color = bodies.at(heat(at)[0] * kelvin);
-                *cell = std::array::from_fn(|c| cell[c] * color[c]);
-            }
-        });
-    }
-    let size = place.size.map(|n| n as u32);
-    Ok(DensityGrid { size, density, emission, world_from_unit: place.world_from_unit(grid) })
+/// The emission of black bodies by temperatures in units of so many kelvins.
+fn black_bodies(kelvin: f32) -> Option<impl Fn(f32) -> [f32; 3]> {
+    let colors = ColorSystem::named("Rec709")?;
+    let unit = colors.luminance(colors.blackbody(UNIT_HEAT));
+    Some(move |temperature: f32| colors.blackbody(temperature * kelvin).map(|x| x / unit))
 }
 
 #[cfg(test)]
@@ -467,10 +313,10 @@ mod tests {
 
     #[test]
     fn black_bodies_shine_by_their_temperature() {
-        let heat = Heat::upto(6000.0).expect("colours");
+        let heat = black_bodies(1.0).expect("colours");
         let luminance = |color: [f32; 3]| 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
-        assert!((luminance(heat.at(2000.0)) - 1.0).abs() < 1e-2, "{:?}", heat.at(2000.0));
-        assert_eq!(heat.at(0.0)[1], 0.0);
+        assert!((luminance(heat(2000.0)) - 1.0).abs() < 1e-2, "{:?}", heat(2000.0));
+        assert_eq!(heat(0.0)[1], 0.0);
         // Planck's law, by a bell curve for the eye's sensitivity.
         let light = |kelvin: f64| -> f64 {
             let at = |nm: f64| {
@@ -480,10 +326,10 @@ mod tests {
             (380..780).map(|nm| at(f64::from(nm))).sum()
         };
         for kelvin in [1200.0, 1500.0, 3000.0, 5500.0] {
-            let (found, expected) = (luminance(heat.at(kelvin)), light(f64::from(kelvin)) / light(2000.0));
+            let (found, expected) = (luminance(heat(kelvin)), light(f64::from(kelvin)) / light(2000.0));
             assert!((f64::from(found) / expected - 1.0).abs() < 0.1, "{kelvin} K: {found} and {expected}");
         }
-        let [red, green, blue] = heat.at(1500.0);
+        let [red, green, blue] = heat(1500.0);
         assert!(red > 2.0 * green && green > 2.0 * blue, "red hot");
     }
 

@@ -36,6 +36,7 @@ mod texture_parameters;
 mod tokens;
 mod transform;
 mod view;
+mod volume_medium;
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `MakeNamedMedium`: even media and uniform grids; the measured ones by name; the insides of `subsurface`.
+//! `MakeNamedMedium`: even media, uniform grids and those of files; the measured ones by name; the insides of `subsurface`.
 //! Source: the section Media of the file-format page; measured media after [JMLH01].
 //! A grid is a box: outside of it nothing is. Where its numbers end it fades out over half a cell, as pbrt's
 //! lookup does: it is stored with a rim of zeros. Tests: tests/media.rs.
@@ -13,6 +13,7 @@ use gnurt_scene::medium::{DensityGrid, Medium, Phase, single_albedo};
 
 use crate::parameter::Parameters;
 use crate::spectrum::Spectrum;
+use crate::volume_medium;
 
 /// Name; scattering (reduced) and absorption coefficients, 1 over millimetres.
 type Measured = (&'static str, [f32; 3], [f32; 3]);
@@ -92,7 +93,22 @@ pub(crate) fn read(
             let grid = Some(Arc::new(grid(parameters, file_from_medium, access)?));
             Medium { scattering, absorption, emission, phase, grid, ..Medium::default() }
         }
-        "rgbgrid" | "nanovdb" | "cloud" => {
+        "nanovdb" => {
+            let default = ([1.0; 3], [1.0; 3]);
+            let (scattering, absorption) = coefficients(parameters, names, default, access, warnings)?;
+            let grid = volume_medium::grid(parameters, file_from_medium, access)?;
+            // Emission that the grid does not have is none.
+            let emission = if grid.emission.is_empty() { [0.0; 3] } else { [1.0; 3] };
+            Medium {
+                scattering,
+                absorption,
+                emission,
+                phase,
+                grid: Some(Arc::new(grid)),
+                ..Medium::default()
+            }
+        }
+        "rgbgrid" | "cloud" => {
             parameters.ignore();
             let detail = format!("a medium of the type {}", quoted(class));
             location.warn(warnings, Oddity::NotShown, detail);

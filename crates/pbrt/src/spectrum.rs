@@ -88,6 +88,15 @@ fn planck(wavelength: f32, kelvin: f32) -> f64 {
     1e-30 / (metres.powi(5) * power.exp_m1())
 }
 
+/// Radiance of a black body as pbrt's volumes have it: its spectrum scaled to a greatest value of 1, in front of a film that adds
+/// up the observer's functions per nanometre. Components are at least 0.
+pub(crate) fn radiance_of_black_body(kelvin: f32) -> [f32; 3] {
+    // Wien's law; nanometres.
+    let greatest = planck(2_897_772.0 / kelvin, kelvin);
+    let xyz = xyz(|l| planck(l, kelvin) / greatest);
+    rgb_from_xyz(xyz.map(|x| x * STEP as f64)).map(|c| c.max(0.0))
+}
+
 fn sampled(samples: &[[f32; 2]], wavelength: f32) -> f64 {
     let after = samples.partition_point(|sample| sample[0] <= wavelength);
     let Some(&[first, value]) = after.checked_sub(1).and_then(|before| samples.get(before)) else {
@@ -266,6 +275,10 @@ mod tests {
         near(Spectrum::Samples(vec![[300.0, 0.5], [900.0, 0.5]]).value(), [0.5; 3], 1e-3);
         near(Spectrum::Illuminant([0.3127, 0.3290]).light(), [1.0; 3], 2e-3);
         near(Spectrum::Blackbody(6504.0).light(), [1.0; 3], 0.06);
+        // A flat spectrum of 1 would have the luminance 106.86; at 5200 K the greatest value is at 557 nm.
+        let [red, green, blue] = radiance_of_black_body(5200.0);
+        let luminance = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+        assert!((100.0..106.86).contains(&luminance), "{luminance}");
     }
 
     #[test]

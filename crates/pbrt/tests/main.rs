@@ -10,3 +10,4 @@ mod motion;
 mod shapes;
 mod textures;
 mod view;
+mod volumes;

@@ -28,6 +28,7 @@ mod scene;
 mod shader_file;
 mod tangents;
 pub mod texture;
+pub mod volume_cells;
 mod waste;
 
 pub use affine::Affine;

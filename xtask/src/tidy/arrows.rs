@@ -19,7 +19,7 @@ const ARROWS: [(&str, &[&str]); 32] = [
     ("materialx", &[]),
     ("sl-lib", &[]),
     ("ocio", &["image"]),
-    ("pbrt", &["scene", "sl-lib"]),
+    ("pbrt", &["image", "scene", "sl-lib"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("sl-shading", &["simd", "accel", "image", "shading", "sl", "sl-lib", "jit", "materialx"]),
     (
