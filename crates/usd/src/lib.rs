@@ -44,6 +44,7 @@ mod text_lists;
 mod textures;
 mod transform;
 mod value;
+mod volumes;
 mod walk;
 mod weld;
 

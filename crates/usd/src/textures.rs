@@ -147,7 +147,7 @@ impl Reader {
     }
 
     /// The file of an asset.
-    fn file_of(&self, asset: &AssetPath) -> String {
+    pub(crate) fn file_of(&self, asset: &AssetPath) -> String {
         let file = asset.resolved_path().map(str::to_owned);
         file.unwrap_or_else(|| self.path.with_file_name(asset.as_str()).to_string_lossy().into_owned())
     }

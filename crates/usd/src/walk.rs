@@ -138,10 +138,14 @@ impl Builder<'_> {
                 self.camera(prim, state);
                 None
             }
+            "Volume" => {
+                self.volume(prim, state);
+                None
+            }
             "Cube" | "Sphere" | "Cylinder" | "Cylinder_1" | "Cone" | "Capsule" | "Capsule_1" | "Plane" => {
                 self.shape(prim, kind)
             }
-            "NurbsPatch" | "NurbsCurves" | "HermiteCurves" | "TetMesh" | "Volume" | "PluginLight" => {
+            "NurbsPatch" | "NurbsCurves" | "HermiteCurves" | "TetMesh" | "PluginLight" => {
                 reader.unsupported(prim, kind);
                 None
             }

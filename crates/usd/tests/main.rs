@@ -17,3 +17,4 @@ mod skeletons;
 mod strands;
 mod support;
 mod transforms;
+mod volumes;
