@@ -17,7 +17,7 @@ use crate::arrays::Arrays;
 use crate::crate_check::Checked;
 use crate::layer::{Asset, Layer};
 use crate::package::Package;
-use crate::{crate_arrays, crate_check, mtlx_layer, text_arrays, text_check, text_lists};
+use crate::{crate_arrays, crate_check, mtlx_layer, text_arrays, text_check, text_lists, text_numbers};
 
 /// The identifier of the layer that chooses variants.
 pub(crate) const SESSION: &str = "variants-of-the-command-line.usda";
@@ -120,6 +120,8 @@ impl Files {
             let edits = checked.map(|checked| crate_arrays::edits(&bytes, &checked, &self.arrays));
             Layer::new(bytes, edits.unwrap_or_default())
         } else {
+            let whole = text_numbers::whole(&bytes).map(|whole| hold(whole.len()).map(|()| Arc::new(whole)));
+            let bytes = whole.transpose()?.unwrap_or(bytes);
             let found = text_check::check(&bytes)?;
             hold(bytes.len().saturating_mul(2))?;
             let plain = text_lists::plain(&bytes).map(|plain| hold(plain.len()).map(|()| Arc::new(plain)));

@@ -41,6 +41,7 @@ mod strands;
 mod text_arrays;
 mod text_check;
 mod text_lists;
+mod text_numbers;
 mod textures;
 mod transform;
 mod value;

@@ -147,7 +147,8 @@ impl Formats {
         if let Some(up) = options.up {
             up.turn(&mut loaded.scene);
         }
-        if loaded.scene.meshes().iter().all(|mesh| mesh.primitive_count() == 0) {
+        let has_shapes = loaded.scene.meshes().iter().any(|mesh| mesh.primitive_count() > 0);
+        if !has_shapes && loaded.scene.media().is_empty() {
             loaded.warnings.note(Oddity::EmptyScene, path, None, "");
         }
         if let Some(first) = loaded.warnings.iter().next().filter(|_| options.strict) {
