@@ -27,6 +27,8 @@ pub(crate) struct Shaders {
     made: Vec<SceneShader>,
     /// Of lights and pixels.
     scripts: Vec<Script>,
+    /// Displacement shaders, and their numbers in the table.
+    displacements: Vec<(Script, usize)>,
 }
 
 /// Shaders whose faults are reported when they occur.
@@ -61,12 +63,21 @@ impl Shaders {
             let chosen = chosen(scene, material)?;
             let made = SceneShader::new(class, file.as_deref(), parameters, &access)
                 .map_err(|why| Failure::data(format_args!("{}: {why}", option())))?;
+            if let Some(displacement) = made.displacement.clone() {
+                gnurt::put_displacement(scene, &mut shaders.table, &chosen, displacement);
+            }
+            let Some(surface) = made.surface.clone() else {
+                made.warnings().iter().for_each(|warning| messages.warning(warning.trim_end()));
+                let number = shaders.table.displacements.len() - 1;
+                shaders.displacements.extend(made.script().cloned().map(|script| (script, number)));
+                continue;
+            };
             let number = shaders.table.surfaces.len() as u32;
             for id in chosen {
                 scene.edit_material(id).surface = Surface::Shader(number);
             }
             made.warnings().iter().for_each(|warning| messages.warning(warning.trim_end()));
-            shaders.table.surfaces.push(made.surface.clone());
+            shaders.table.surfaces.push(surface);
             shaders.made.push(made);
         }
         Ok(shaders)
@@ -78,7 +89,10 @@ impl Shaders {
         reported.iter().for_each(|line| messages.warning(line));
         let surfaces = self.table.surfaces.iter().cloned();
         self.made.extend(
-            scripts.into_iter().zip(surfaces).map(|(script, surface)| SceneShader::of(script, surface)),
+            scripts
+                .into_iter()
+                .zip(surfaces)
+                .map(|(script, surface)| SceneShader::of(script, Some(surface), None)),
         );
     }
 
@@ -94,6 +108,9 @@ impl Shaders {
             Kind::Light => None,
             Kind::Surface => {
                 Some(format!("a surface needs a material; give MATERIAL={file}, or *={file} for all"))
+            }
+            Kind::Displacement => {
+                Some(format!("a displacement needs a material; give MATERIAL={file}, or *={file} for all"))
             }
             Kind::Environment => Some(format!("give --environment {file}")),
             Kind::Camera => Some(format!("give --camera {file}")),
@@ -126,6 +143,10 @@ impl Shaders {
             StageScript::new(script, role)
         });
         surfaces.extend(scripts);
+        let displacements = self.displacements.into_iter();
+        surfaces.extend(
+            displacements.map(|(script, number)| StageScript::new(script, ScriptRole::Displacement(number))),
+        );
         surfaces.extend(camera.map(|camera| StageScript::new(camera.script.clone(), ScriptRole::Camera)));
         let camera = camera.map(|camera| camera.camera.clone());
         (Scripts { list: surfaces, table: self.table, camera }, Watched(others))
@@ -133,7 +154,8 @@ impl Shaders {
 
     /// Reports their faults.
     pub(crate) fn report_faults(&self, messages: Messages) {
-        let scripts = self.scripts.iter().flat_map(Script::faults);
+        let displacements = self.displacements.iter().map(|(script, _)| script);
+        let scripts = self.scripts.iter().chain(displacements).flat_map(Script::faults);
         self.made
             .iter()
             .flat_map(SceneShader::faults)

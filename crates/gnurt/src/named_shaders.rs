@@ -7,7 +7,9 @@ use std::sync::Arc;
 
 use gnurt_image::WorkingSpace;
 use gnurt_render::ShaderTable;
+use gnurt_scene::displacement::{Displacement, Offset};
 use gnurt_scene::{CameraId, MaterialId, Scene, ShaderFile, Surface, TextureId};
+use gnurt_shading::DisplacementShader;
 use gnurt_sl_shading::{Access, CameraScript, Script, sampler};
 
 /// Compiles a shader that a scene's file names or holds, and gives its parameters their values.
@@ -60,9 +62,13 @@ pub fn put_named_shaders(
         scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
     let (mut scripts, mut reported) = (Vec::new(), Vec::new());
     for (id, named) in named {
-        let made = script(scene, &named, space).and_then(|script| Ok((script.surface()?, script)));
+        let made = script(scene, &named, space)
+            .and_then(|script| Ok((script.surface()?, script.displacement()?, script)));
         match made {
-            Ok((surface, script)) => {
+            Ok((surface, displacement, script)) => {
+                if let Some(displacement) = displacement {
+                    put_displacement(scene, table, &[id], displacement);
+                }
                 reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
                 // Its material without the shader is used if all surfaces are forced to be diffuse.
                 let diffuse = scene.material(id).diffuse_color();
@@ -79,6 +85,21 @@ pub fn put_named_shaders(
         }
     }
     (scripts, reported)
+}
+
+/// Adds a displacement to the table, and displaces the surfaces of some materials by it. The refinement of their meshes stays.
+pub fn put_displacement(
+    scene: &mut Scene,
+    table: &mut ShaderTable,
+    materials: &[MaterialId],
+    shader: Arc<dyn DisplacementShader>,
+) {
+    let offset = Offset::Shader(table.displacements.len() as u32);
+    table.displacements.push(shader);
+    for &material in materials {
+        let refinement = scene.displacement(material).map(|before| before.refinement).unwrap_or_default();
+        scene.set_displacement(material, Some(Displacement { refinement, ..Displacement::new(offset) }));
+    }
 }
 
 #[cfg(test)]

@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gnurt::image::read_texture;
-use gnurt::osl::{Access, Script, document_and_node};
-use gnurt::shading::SurfaceShader;
+use gnurt::osl::{Access, Kind as ScriptKind, Script, document_and_node};
 use gnurt::shading::classes::{self, ParameterRate, ParameterType, Shader as RenderShader, Value};
 use gnurt::shading::texture::TextureSampler;
+use gnurt::shading::{DisplacementShader, SurfaceShader};
 
 use crate::data_type::DataType;
 use crate::description::{Kind, Parameter};
@@ -23,10 +23,12 @@ use crate::frame::PluginFrame;
 use crate::frame_state::FrameState;
 use crate::load::{load_copy, suggestion};
 
-/// A surface shader with its parameters.
+/// A surface shader with its parameters, or a displacement.
 pub struct SceneShader {
-    /// As the renderer takes it.
-    pub surface: Arc<dyn SurfaceShader>,
+    /// As the renderer takes it; `None` if it is a displacement only.
+    pub surface: Option<Arc<dyn SurfaceShader>>,
+    /// The displacement that it is or has.
+    pub displacement: Option<Arc<dyn DisplacementShader>>,
     plugins: PluginFrame,
     script: Option<Script>,
 }
@@ -56,10 +58,14 @@ impl SceneShader {
         }
     }
 
-    /// A script and the surface that it has made.
+    /// A script, and the surface and the displacement that it has made.
     #[must_use]
-    pub fn of(script: Script, surface: Arc<dyn SurfaceShader>) -> Self {
-        Self { surface, plugins: PluginFrame::default(), script: Some(script) }
+    pub fn of(
+        script: Script,
+        surface: Option<Arc<dyn SurfaceShader>>,
+        displacement: Option<Arc<dyn DisplacementShader>>,
+    ) -> Self {
+        Self { surface, displacement, plugins: PluginFrame::default(), script: Some(script) }
     }
 
     fn of_script(file: &Path, parameters: &[(String, String)], access: &Access) -> Result<Self, String> {
@@ -67,8 +73,10 @@ impl SceneShader {
         for (name, value) in parameters {
             script.set_text(name, value)?;
         }
-        let surface = script.surface()?;
-        Ok(Self::of(script, surface))
+        let displacement = script.displacement()?;
+        let is_surface = script.kind() != ScriptKind::Displacement;
+        let surface = if is_surface { Some(script.surface()?) } else { None };
+        Ok(Self::of(script, surface, displacement))
     }
 
     /// Its faults since then, a line each.
@@ -124,7 +132,8 @@ impl SceneShader {
             };
         }
         surface(class.make(&values)).map(|surface| Self {
-            surface,
+            surface: Some(surface),
+            displacement: None,
             plugins: PluginFrame::default(),
             script: None,
         })
@@ -159,7 +168,10 @@ impl SceneShader {
         let state = || FrameState { textures, ..FrameState::default() };
         let plugins = PluginFrame::new(std::iter::once((1, &block)), state);
         match plugins.made(1) {
-            Some(made) => surface(made).map(|surface| Self { surface, plugins, script: None }),
+            Some(made) => {
+                let surface = Some(surface(made)?);
+                Ok(Self { surface, displacement: None, plugins, script: None })
+            }
             None => Err(plugins.problems().join("; ")),
         }
     }

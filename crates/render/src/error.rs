@@ -31,6 +31,16 @@ pub enum CommitError {
         /// How many there are.
         known: usize,
     },
+    /// A displacement names a shader that the shader table does not have.
+    #[error("material {material} is displaced by shader {shader}, but the shader table has {known}")]
+    UnknownDisplacement {
+        /// The material.
+        material: usize,
+        /// The number it gives.
+        shader: u32,
+        /// How many there are.
+        known: usize,
+    },
     /// A medium whose numbers make no sense.
     #[error("medium {medium}: {problem}")]
     BadMedium {

@@ -27,6 +27,9 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
     hash.debug(&(env!("CARGO_PKG_VERSION"), options, force_diffuse));
     hash.debug(camera);
     hash.debug(&(scene.objects(), scene.instances(), scene.materials(), scene.lights()));
+    if scene.displacements().next().is_some() {
+        hash.debug(&scene.displacements().collect::<Vec<_>>());
+    }
     for mesh in scene.meshes() {
         hash.debug(&mesh.material);
         hash.floats(mesh.positions.as_flattened());

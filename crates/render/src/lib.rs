@@ -16,6 +16,7 @@ mod camera_matrices;
 mod checkpoint;
 mod cone;
 mod cost;
+mod displacement;
 mod error;
 mod expressions;
 mod film;

@@ -13,6 +13,7 @@ mod commit;
 mod common;
 mod curves;
 mod determinism;
+mod displacement;
 mod edits;
 mod filtering;
 mod holdouts;

@@ -121,6 +121,14 @@ impl Scene {
                 used.try_for_each(|(t, _)| exists(t.texture.index(), self.textures().len(), "texture"));
             checked.map_err(result(at("material", i, &material.name)))?;
         }
+        for (id, displacement) in self.displacements() {
+            let i = id.index();
+            let checked = exists(i, self.materials().len(), "material").and_then(|()| {
+                let texture = displacement.texture();
+                texture.map_or(Ok(()), |t| exists(t.texture.index(), self.textures().len(), "texture"))
+            });
+            checked.map_err(result(at("displacement of material", i, "")))?;
+        }
         for (i, light) in self.lights().iter().enumerate() {
             if let Some(texture) = light.texture() {
                 let checked = exists(texture.index(), self.textures().len(), "texture");

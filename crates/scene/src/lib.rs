@@ -8,6 +8,7 @@ pub mod builtin;
 pub mod camera;
 mod check;
 pub mod detail;
+pub mod displacement;
 pub mod edit;
 pub mod factors;
 pub mod id;
@@ -35,6 +36,7 @@ pub use affine::Affine;
 pub use animation::Animation;
 pub use camera::{Camera, Lens, Projection};
 pub use check::CheckError;
+pub use displacement::Displacement;
 /// Subdivision surfaces: a crate of its own.
 pub use gnurt_subdivision as subdivision;
 pub use id::{CameraId, InstanceId, LightId, MaterialId, MediumId, MeshId, ObjectId, TextureId};

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use crate::affine::Affine;
 use crate::animation::{Animation, Playback};
 use crate::camera::Camera;
+use crate::displacement::Displacement;
 use crate::edit::{Cursor, Edit, EditLog, SceneIdentity};
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, MediumId, MeshId, ObjectId, TextureId};
 use crate::labels::Labels;
@@ -80,7 +81,9 @@ pub struct Scene {
     materials: Vec<Material>,
     /// Shaders that its file names, by materials.
     shader_files: BTreeMap<MaterialId, ShaderFile>,
-    /// The same for cameras.
+    /// Displacements, by materials.
+    displacements: BTreeMap<MaterialId, Displacement>,
+    /// Shaders that its file names, by cameras.
     camera_files: BTreeMap<CameraId, ShaderFile>,
     textures: Vec<Texture>,
     lights: Vec<Light>,
@@ -145,6 +148,26 @@ impl Scene {
     pub fn set_shader_file(&mut self, material: MaterialId, file: ShaderFile) {
         self.log.note(Edit::Material(material));
         self.shader_files.insert(material, file);
+    }
+
+    /// Displacements of its surfaces, by materials.
+    pub fn displacements(&self) -> impl Iterator<Item = (MaterialId, &Displacement)> {
+        self.displacements.iter().map(|(&id, displacement)| (id, displacement))
+    }
+
+    /// The displacement of a material's surfaces.
+    #[must_use]
+    pub fn displacement(&self, material: MaterialId) -> Option<&Displacement> {
+        self.displacements.get(&material)
+    }
+
+    /// Displaces the surfaces of a material from now on; `None` = no longer.
+    pub fn set_displacement(&mut self, material: MaterialId, displacement: Option<Displacement>) {
+        self.log.note(Edit::Material(material));
+        match displacement {
+            Some(displacement) => self.displacements.insert(material, displacement),
+            None => self.displacements.remove(&material),
+        };
     }
 
     /// The shader that its file names for a camera; the camera gives its position, and the view without a

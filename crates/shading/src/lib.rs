@@ -29,7 +29,7 @@ pub use point::{Leaving, Rays, SurfacePoint};
 pub use projective_camera::ProjectiveCamera;
 pub use scene_queries::{CameraProperties, SceneNames};
 pub use shader::{
-    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, Interior, LightBatch, LightShader,
-    OutputKind, PixelSamples, PixelShader, RadianceShader, RayRequest, ShaderOutput, SurfaceHit,
-    SurfaceShader, Tracer,
+    AttributeRequest, CameraSamples, CameraShader, DisplacementShader, EnvironmentShader, Interior,
+    LightBatch, LightShader, OutputKind, PixelSamples, PixelShader, RadianceShader, RayRequest, ShaderOutput,
+    SurfaceHit, SurfaceShader, Tracer,
 };

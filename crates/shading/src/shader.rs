@@ -185,6 +185,23 @@ pub trait SurfaceShader: Send + Sync {
     }
 }
 
+/// A surface's displacement, evaluated once at each vertex when a scene is committed.
+pub trait DisplacementShader: Send + Sync {
+    /// Writes the offset of each point; `out` has `points.len()` lanes, all zero. Space: object, of points, normals and offsets.
+    /// `ns` and `ng` are the normal that the vertices of a position share, and `ray_dir` is against it. Footprints are 0.
+    fn displace(&self, points: &SurfaceBatch, out: &mut Vec3s);
+
+    /// The requested mesh attributes, in the order of `SurfaceBatch::attributes`.
+    fn attributes(&self) -> &[AttributeRequest] {
+        &[]
+    }
+
+    /// Reports of its runs, each once.
+    fn faults(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
 /// An even medium behind a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Interior {

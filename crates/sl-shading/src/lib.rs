@@ -12,6 +12,7 @@ mod attributes;
 mod camera;
 mod closures;
 mod codes;
+mod displacement;
 mod emission_and_opacity;
 mod faults;
 mod fixed;

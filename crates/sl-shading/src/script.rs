@@ -12,7 +12,8 @@ use std::sync::{Arc, Mutex};
 
 use gnurt_image::WorkingSpace;
 use gnurt_shading::{
-    AttributeRequest, CameraShader, ColorMap, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
+    AttributeRequest, CameraShader, ColorMap, DisplacementShader, EnvironmentShader, LightShader,
+    PixelShader, SurfaceShader,
 };
 use gnurt_simd::Level;
 use gnurt_sl::diagnostics::{Diagnostic, Severity, Style};
@@ -29,6 +30,7 @@ use gnurt_sl_lib::color::ColorSystem;
 use crate::access::Access;
 use crate::attributes::{self, CAMERA_PREFIX, PATH_PREFIX};
 use crate::camera::{CameraFrame, CameraScript};
+use crate::displacement;
 use crate::faults::Faults;
 use crate::fixed::Fixed;
 use crate::library;
@@ -79,6 +81,8 @@ const ITERATIONS: u64 = 1 << 20;
 pub enum Kind {
     /// The appearance of a surface: `surface` and `shader`.
     Surface,
+    /// The offsets of a surface's vertices.
+    Displacement,
     /// A light.
     Light,
     /// A camera.
@@ -95,6 +99,7 @@ impl Kind {
     pub const fn kind_name(self) -> &'static str {
         match self {
             Self::Surface => "surface",
+            Self::Displacement => "displacement",
             Self::Light => "light",
             Self::Camera => "camera",
             Self::Environment => "environment",
@@ -183,6 +188,7 @@ impl Script {
         let last = group.layers.last().ok_or_else(|| format!("{}: no shader is in it", path.display()))?;
         let kind = match &*last.shader.kind {
             "surface" | "shader" => Kind::Surface,
+            "displacement" => Kind::Displacement,
             "light" => Kind::Light,
             "camera" => Kind::Camera,
             "environment" => Kind::Environment,
@@ -191,6 +197,7 @@ impl Script {
         };
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let is_black = last.shader.find("Ci").is_none() && closure_outputs(&last.shader).is_empty();
+        let is_black = is_black && !displacement::has_offset(&last.shader);
         if kind == Kind::Surface && is_black {
             reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black"));
         }
@@ -407,6 +414,40 @@ impl Script {
         };
         let outputs = Outputs::of(&self.group, &tags, Box::new(make));
         Ok(Arc::new(ScriptSurface { common, fixed, outputs }))
+    }
+
+    /// As the displacement of a surface: of a shader of that type, or by the output `vector displacement` of a surface. `None` for
+    /// others.
+    ///
+    /// # Errors
+    /// It is too large.
+    pub fn displacement(&self) -> Result<Option<Arc<dyn DisplacementShader>>, String> {
+        let Some(last) = self.group.layers.last() else { return Ok(None) };
+        let is_surface = self.kind == Kind::Surface && displacement::has_offset(&last.shader);
+        let value = match self.kind {
+            Kind::Displacement => displacement::POSITION,
+            _ if is_surface => displacement::OFFSET,
+            _ => return Ok(None),
+        };
+        let mut group = Cow::Borrowed(&self.group);
+        if self.kind == Kind::Displacement {
+            group
+                .to_mut()
+                .layers
+                .iter_mut()
+                .for_each(|layer| displacement::expand(Arc::make_mut(&mut layer.shader)));
+        }
+        let options = PlanOptions {
+            outputs: vec![value.to_owned()],
+            iterations: ITERATIONS,
+            drops_outputs: true,
+            // All layers move the point, one after the other.
+            lazy_globals: self.kind != Kind::Displacement,
+            ..PlanOptions::default()
+        };
+        let plan =
+            Plan::new(&group, &options).map(Arc::new).map_err(|why| format!("{}: {why}", self.name))?;
+        Ok(Some(displacement::made(self.compiled(&group, &plan)?, value)))
     }
 
     /// Its group; if the last shader does not write `Ci`, with a layer that sets `Ci` to its closure outputs.

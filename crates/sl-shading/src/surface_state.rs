@@ -52,6 +52,8 @@ pub(crate) enum Caller {
     Rays,
     /// Shadow rays.
     Shadow,
+    /// None: vertices are displaced.
+    Vertices,
 }
 
 /// Kinds of rays by their names; each is a bit.
@@ -60,6 +62,8 @@ pub(crate) const RAYS: [&str; 8] =
 /// Rays of cameras.
 pub(crate) const CAMERA: u32 = 1;
 const SHADOW: u32 = 2;
+/// Vertices that are displaced.
+const DISPLACEMENT: u32 = 128;
 /// Rays of surfaces that scatter to all sides.
 pub(crate) const DIFFUSE: u32 = 16;
 
@@ -121,6 +125,7 @@ fn points_at(
         out.index[lane] = (first + lane) as i32;
         out.ray_kinds[lane] = match caller {
             Caller::Shadow => SHADOW,
+            Caller::Vertices => DISPLACEMENT,
             Caller::Rays => kinds(hits.ray_kind(first + lane)),
         };
     }

@@ -5,6 +5,8 @@
 mod attributes;
 #[path = "scripts/closures.rs"]
 mod closures;
+#[path = "scripts/displacement.rs"]
+mod displacement;
 #[path = "scripts/floor.rs"]
 mod floor;
 #[path = "scripts/kinds.rs"]

@@ -15,6 +15,8 @@ use crate::shader_controls::ShaderControl;
 pub enum ScriptRole {
     /// The surface of this number in the shader table.
     Surface(usize),
+    /// The displacement of this number there.
+    Displacement(usize),
     /// The light of this number there.
     Light(usize),
     /// A camera shader.
@@ -44,6 +46,11 @@ impl StageScript {
         let script = &self.script;
         match self.role {
             ScriptRole::Surface(number) => set(&mut table.surfaces, number, script.surface()?),
+            ScriptRole::Displacement(number) => {
+                if let Some(displacement) = script.displacement()? {
+                    set(&mut table.displacements, number, displacement);
+                }
+            }
             ScriptRole::Light(number) => set(&mut table.lights, number, script.light()?),
             ScriptRole::Camera => *camera = Some(script.camera_anywhere()?),
             ScriptRole::Pixel => table.pixel = Some(script.pixel()?),
@@ -112,9 +119,10 @@ impl Scripts {
         let shader = list.get_mut(script).ok_or("the shader does not exist any more")?;
         if shader.script.is_tunable(name) {
             shader.script.tune(name, value)?;
-            // A commit processes emissive surfaces.
+            // A commit processes emissive surfaces, and moves vertices.
             let number = if let ScriptRole::Surface(number) = shader.role { number } else { usize::MAX };
-            if !table.surfaces.get(number).is_some_and(|surface| surface.emits()) {
+            let moves = matches!(shader.role, ScriptRole::Displacement(_));
+            if !moves && !table.surfaces.get(number).is_some_and(|surface| surface.emits()) {
                 return Ok(false);
             }
         } else {

@@ -37,6 +37,11 @@ impl ScriptClass {
         }
         let kind = match script.kind() {
             ScriptKind::Surface => Kind::Surface,
+            ScriptKind::Displacement => {
+                return Err(LoadError::Unfit(format!(
+                    "{file}: displacement shaders are unsupported in OpenRT"
+                )));
+            }
             ScriptKind::Light => Kind::Light,
             ScriptKind::Camera => Kind::Camera,
             ScriptKind::Environment => Kind::Environment,

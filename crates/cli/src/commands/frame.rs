@@ -455,6 +455,7 @@ pub(super) fn commit_into(
     messages: Messages,
 ) -> Result<CommitReport, Failure> {
     let report = world.commit_exposed(scene, exposure, shaders, &options, pool).map_err(Failure::data)?;
+    report.warnings.iter().for_each(|line| messages.warning(line));
     if report.dropped_triangles > 0 {
         messages
             .warning(format_args!("{} triangles without a finite area left out", report.dropped_triangles));

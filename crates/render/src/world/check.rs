@@ -3,6 +3,7 @@
 //! only shader tables get shorter.
 //! Tests: crates/render/tests/commit.rs.
 
+use gnurt_scene::displacement::Offset;
 use gnurt_scene::{Scene, Surface};
 
 use super::dirty::DirtyParts;
@@ -45,6 +46,18 @@ pub(super) fn check(scene: &Scene, shaders: &ShaderTable, dirty: &DirtyParts) ->
         {
             let known = shaders.surfaces.len();
             return Err(CommitError::UnknownShader { material: index as usize, shader, known });
+        }
+    }
+    for (id, displacement) in scene.displacements() {
+        if let Some(texture) = displacement.texture().filter(|t| t.texture.index() >= scene.textures().len())
+        {
+            return Err(dangling("displacement of material", id.0, "texture", texture.texture.0));
+        }
+        if let Offset::Shader(shader) = displacement.offset
+            && shader as usize >= shaders.displacements.len()
+        {
+            let known = shaders.displacements.len();
+            return Err(CommitError::UnknownDisplacement { material: id.index(), shader, known });
         }
     }
     for &index in &dirty.materials {

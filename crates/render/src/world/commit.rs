@@ -15,7 +15,7 @@ use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Affine, Scene};
 use gnurt_shading::ColorMap;
 
-use super::dirty::DirtyParts;
+use super::dirty::{DirtyParts, Displaced};
 use super::instance::InstanceSlot;
 use super::labels::{self, WorldLabels};
 use super::lights::{ChangedLights, order_in_set};
@@ -63,7 +63,9 @@ impl World {
         let options = &followed.map_or(*options, |followed| followed.options);
         let (mut world, mut dirty) = match followed {
             Some(followed) => {
-                (self.clone(), DirtyParts::since(followed.cursor, scene, &self.materials, shaders))
+                let mut dirty = DirtyParts::since(followed.cursor, scene, &self.materials, shaders);
+                dirty.displaced(&followed.displaced, scene, shaders);
+                (self.clone(), dirty)
             }
             None => (Self::new(), DirtyParts::everything(scene)),
         };
@@ -82,8 +84,12 @@ impl World {
         world.pixel.clone_from(&shaders.pixel);
         open.lights_move = world.lights.emitters.move_in(&world.instances);
         world.open = (!exposure.is_still()).then(|| Arc::new(open));
-        world.follows =
-            Some(Followed { identity: scene.identity().clone(), cursor: scene.cursor(), options: *options });
+        world.follows = Some(Followed {
+            identity: scene.identity().clone(),
+            cursor: scene.cursor(),
+            options: *options,
+            displaced: Displaced::of(scene, shaders),
+        });
         *self = world;
         report.dropped_triangles = self.dropped.triangles;
         report.dropped_instances = self.dropped.instances + self.tree.dropped_instances() as usize;
@@ -118,7 +124,7 @@ impl World {
         }
 
         let Geometry { changed, is_moved } =
-            self.update_geometry(dirty, (scene, exposure), options, pool, report);
+            self.update_geometry(dirty, (scene, exposure), shaders, options, pool, report);
         let tree_before = self.tree.clone();
         if is_moved {
             self.tree = top::after(&self.tree, scene, &self.instances, &changed, pool);
@@ -154,6 +160,7 @@ impl World {
         &mut self,
         dirty: &DirtyParts,
         (scene, exposure): (&Scene, &Exposure),
+        shaders: &ShaderTable,
         options: &CommitOptions,
         pool: &rayon::ThreadPool,
         report: &mut CommitReport,
@@ -196,9 +203,11 @@ impl World {
                 &self.crowds,
                 &dirty_objects,
                 (scene, exposure),
+                shaders,
                 object_build::build_options(options),
                 pool,
             );
+            report.warnings.append(&mut rebuilt.warnings);
             members::update(objects, &before, &dirty_objects, (scene, exposure), pool, &mut rebuilt);
             let mut touched = [&dirty_objects[..], &rebuilt.ids].concat();
             touched.sort_unstable();

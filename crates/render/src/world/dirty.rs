@@ -3,13 +3,45 @@
 //! meshes and textures are searched for in all objects and materials.
 //! Tests: crates/render/tests/{commit,edits}.rs.
 
+use std::sync::Arc;
+
+use gnurt_scene::displacement::Offset;
 use gnurt_scene::edit::{Cursor, Edit};
-use gnurt_scene::{ObjectId, Scene};
+use gnurt_scene::{Displacement, MaterialId, ObjectId, Scene};
+use gnurt_shading::DisplacementShader;
 
 use super::material_table::MaterialTable;
 use super::materials;
 use super::open::Open;
 use super::table::ShaderTable;
+
+/// Displacements at a commit, and their shaders; empty where nothing is displaced.
+#[derive(Clone, Default)]
+pub(super) struct Displaced {
+    all: Vec<(MaterialId, Displacement)>,
+    shaders: Vec<Arc<dyn DisplacementShader>>,
+}
+
+impl Displaced {
+    pub(super) fn of(scene: &Scene, shaders: &ShaderTable) -> Self {
+        let all: Vec<_> = scene.displacements().map(|(id, displacement)| (id, *displacement)).collect();
+        let shaders = if all.is_empty() { Vec::new() } else { shaders.displacements.clone() };
+        Self { all, shaders }
+    }
+
+    /// The shader of a displacement, if it has one.
+    fn shader(&self, displacement: &Displacement) -> Option<&Arc<dyn DisplacementShader>> {
+        match displacement.offset {
+            Offset::Shader(number) => self.shaders.get(number as usize),
+            _ => None,
+        }
+    }
+
+    /// The displacement of a material.
+    fn get(&self, material: MaterialId) -> Option<&Displacement> {
+        self.all.iter().find(|(id, _)| *id == material).map(|(_, displacement)| displacement)
+    }
+}
 
 /// Dirty ids, each list ascending.
 #[derive(Debug, Default)]
@@ -47,6 +79,42 @@ impl DirtyParts {
             list.sort_unstable();
             list.dedup();
         }
+    }
+
+    /// Objects whose surfaces are displaced otherwise than at the last commit, in addition.
+    pub(super) fn displaced(&mut self, before: &Displaced, scene: &Scene, shaders: &ShaderTable) {
+        let now = Displaced::of(scene, shaders);
+        if before.all.is_empty() && now.all.is_empty() {
+            return;
+        }
+        let differs = |id: MaterialId| {
+            let (was, is) = (before.get(id), now.get(id));
+            let [was_by, is_by] = [(before, was), (&now, is)].map(|(all, one)| all.shader(one?));
+            let is_same_shader = match (was_by, is_by) {
+                (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+                (None, None) => true,
+                _ => false,
+            };
+            let texture = is.and_then(Displacement::texture);
+            let is_edited = texture.is_some_and(|t| self.textures.binary_search(&t.texture.0).is_ok());
+            was != is || !is_same_shader || is_edited
+        };
+        let ids = before.all.iter().chain(&now.all).map(|(id, _)| *id);
+        let mut changed: Vec<MaterialId> = ids.filter(|&id| differs(id)).collect();
+        changed.sort_unstable();
+        if changed.is_empty() {
+            return;
+        }
+        let has_one = |id: &u32| {
+            let mut meshes = scene.objects()[*id as usize].meshes.iter();
+            meshes.any(|mesh| {
+                let mesh = scene.meshes().get(mesh.index());
+                mesh.is_some_and(|mesh| changed.binary_search(&mesh.material).is_ok())
+            })
+        };
+        self.objects.extend((0..scene.objects().len() as u32).filter(has_one));
+        self.objects.sort_unstable();
+        self.objects.dedup();
     }
 
     /// The edits since then, and their dependents.

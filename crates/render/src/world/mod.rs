@@ -29,7 +29,7 @@ mod surface;
 mod table;
 #[cfg(test)]
 mod tests;
-mod textures;
+pub(crate) mod textures;
 mod top;
 mod transform;
 mod users;
@@ -48,6 +48,7 @@ use gnurt_shading::{PixelShader, SampleKey, SceneNames, SurfaceShader};
 
 use crate::many_lights::PluginEmitters;
 use crowds::Crowds;
+use dirty::Displaced;
 use emitters::Shown;
 pub(crate) use grid::GridRay;
 use instance::InstanceSlot;
@@ -142,6 +143,8 @@ struct Followed {
     identity: SceneIdentity,
     cursor: Cursor,
     options: CommitOptions,
+    /// What moved vertices.
+    displaced: Displaced,
 }
 
 /// Counts of dropped and of all elements.

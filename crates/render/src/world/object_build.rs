@@ -12,12 +12,14 @@ use gnurt_accel::{
 };
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Mesh, MeshId, Scene};
+use gnurt_shading::DisplacementShader;
 
 use super::areas::Areas;
 use super::crowds::{Crowds, Kind};
 use super::object::{ObjectSlot, WorldObject, bends, materials_of};
 use super::strands::Arrays;
-use super::table::CommitOptions;
+use super::table::{CommitOptions, ShaderTable};
+use crate::displacement::{MOST_VERTICES, Meshes, displace};
 
 /// Objects that became others, ascending.
 #[derive(Default)]
@@ -29,6 +31,8 @@ pub(super) struct ChangedObjects {
     pub(super) refitted: usize,
     /// Whether the traced geometry has changed: meshes may have changed texture coordinates only.
     pub(super) reshaped: bool,
+    /// Reports of displacement.
+    pub(super) warnings: Vec<String>,
 }
 
 /// Updates those of `dirty`, ascending: builds needed objects, drops unused ones.
@@ -37,13 +41,26 @@ pub(super) fn update(
     crowds: &Crowds,
     dirty: &[u32],
     scene: (&Scene, &Exposure),
+    shaders: &ShaderTable,
     trees: BuildOptions,
     pool: &rayon::ThreadPool,
 ) -> ChangedObjects {
     let needed = |&&id: &&u32| objects[id as usize].users > 0;
     let ids: Vec<u32> = dirty.iter().filter(needed).copied().collect();
     // The kinds of all are known before the first is built, because these identify the crowds.
-    let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
+    let shown = pool.install(|| {
+        threads::map(ids.len() > 1, ids.len(), |n| Shown::new(scene, &shaders.displacements, ids[n]))
+    });
+    let mut warnings = Vec::new();
+    let found: Vec<Found> = ids
+        .iter()
+        .zip(shown)
+        .map(|(&id, mut shown)| {
+            warnings.append(&mut shown.warnings);
+            Found::new(shown.object, id, scene.0, objects, crowds)
+        })
+        .collect();
+    warnings.dedup();
     prepare_crowds(&found, &trees, pool);
     let build = |found: &Found| {
         let (object, update) = build(found, &trees, pool);
@@ -66,7 +83,33 @@ pub(super) fn update(
     for (&id, (object, _)) in ids.iter().zip(made) {
         objects.edit(id as usize).object = Some(object);
     }
-    ChangedObjects { ids, built, refitted, reshaped: built + refitted > 0 }
+    ChangedObjects { ids, built, refitted, reshaped: built + refitted > 0, warnings }
+}
+
+/// The meshes of an object as rays see them: displaced.
+struct Shown {
+    object: Meshes,
+    warnings: Vec<String>,
+}
+
+impl Shown {
+    fn new(
+        (scene, exposure): (&Scene, &Exposure),
+        displacements: &[Arc<dyn DisplacementShader>],
+        id: u32,
+    ) -> Self {
+        let object = &scene.objects()[id as usize];
+        // Shared with the scene, which copies a mesh before it edits it.
+        let meshes: Vec<Arc<Mesh>> =
+            object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
+        let exposed =
+            |id: &MeshId| exposure.meshes.iter().find(|(mesh, keys)| mesh == id && !keys.is_empty());
+        let keys = |id: &MeshId| exposed(id).map(|(_, keys)| keys.clone()).unwrap_or_default();
+        let keys: Vec<Vec<Arc<Mesh>>> = object.meshes.iter().map(keys).collect();
+        let (mut object, mut warnings) = (Meshes { meshes, keys }, Vec::new());
+        displace(scene, displacements, MOST_VERTICES, &mut object, &mut warnings);
+        Self { object, warnings }
+    }
 }
 
 /// An object as the scene has it now.
@@ -82,19 +125,13 @@ struct Found {
 
 impl Found {
     fn new(
-        (scene, exposure): (&Scene, &Exposure),
+        Meshes { meshes, keys }: Meshes,
         id: u32,
+        scene: &Scene,
         objects: &SharedList<ObjectSlot>,
         crowds: &Crowds,
     ) -> Self {
         let object = &scene.objects()[id as usize];
-        // Shared with the scene, which copies a mesh before it edits it.
-        let meshes: Vec<Arc<Mesh>> =
-            object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
-        let exposed =
-            |id: &MeshId| exposure.meshes.iter().find(|(mesh, keys)| mesh == id && !keys.is_empty());
-        let keys = |id: &MeshId| exposed(id).map(|(_, keys)| keys.clone()).unwrap_or_default();
-        let keys: Vec<Vec<Arc<Mesh>>> = object.meshes.iter().map(keys).collect();
         let before = objects[id as usize].object.clone().filter(|before| !bends(&before.keys));
         let before = before.filter(|before| same_topology(&before.meshes, &meshes));
         // An object that deforms during the open shutter has a tree of its own.

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use gnurt_accel::{Memory, Quality};
 use gnurt_image::WorkingSpace;
 use gnurt_scene::Scene;
-use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader};
+use gnurt_shading::{
+    CameraShader, DisplacementShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
+};
 use gnurt_simd::Level;
 
 use crate::options::RenderOptions;
@@ -16,6 +18,8 @@ use crate::options::RenderOptions;
 pub struct ShaderTable {
     /// The shaders of `Surface::Shader(n)`.
     pub surfaces: Vec<Arc<dyn SurfaceShader>>,
+    /// The shaders of `Offset::Shader(n)`.
+    pub displacements: Vec<Arc<dyn DisplacementShader>>,
     /// Lights in addition to those of the scene.
     pub lights: Vec<Arc<dyn LightShader>>,
     /// The environment, in place of the scene's own.
@@ -90,6 +94,8 @@ pub struct CommitReport {
     /// Whether the list of lights was made. Its costly parts are shared with the list before while they are
     /// valid.
     pub made_lights: bool,
+    /// Reports of displacement, each with the name of a mesh or a shader.
+    pub warnings: Vec<String>,
     /// Seconds that all of it took.
     pub build_seconds: f64,
 }

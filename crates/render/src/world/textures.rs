@@ -70,7 +70,7 @@ impl Reading<'_> {
 }
 
 /// A reader without filtering: its value depends on coordinates alone.
-pub(super) fn sharp(scene: &Scene, reference: &TextureRef) -> TextureSampler {
+pub(crate) fn sharp(scene: &Scene, reference: &TextureRef) -> TextureSampler {
     let texture = scene.texture(reference.texture);
     TextureSampler {
         minify: None,

@@ -48,6 +48,7 @@ pub fn of_layer_textures(scene: &Scene, path: &Path, warnings: &mut Warnings) {
 /// Parts of materials that are lost in all formats with materials.
 pub(in crate::io) fn of_materials(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     leave_out(scene.shader_files().count(), "shader file of a material", path, warnings);
+    leave_out(scene.displacements().count(), "displacement of a material", path, warnings);
     let count = |is: fn(&Material) -> bool| scene.materials().iter().filter(|material| is(material)).count();
     let is_shader = |material: &Material| matches!(material.surface, Surface::Shader(_));
     leave_out(count(is_shader), "shader of a material, written as matte", path, warnings);
