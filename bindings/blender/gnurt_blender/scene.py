@@ -8,11 +8,11 @@ import re
 
 import numpy as np
 
-from . import aovs, cameras, catchers, hashes, images, links, meshes, motion, particles, picture_files, skies, strands, suns, volumes
+from . import aovs, cameras, catchers, dicing, hashes, images, links, meshes, motion, particles, picture_files, skies, strands, suns, volumes
 from .kept import Recorder, digest
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
-from .nodes.surfaces import bump_of_displacement
+from .nodes.surfaces import bump_of_displacement, displacement
 from .nodes.tree import fed_by
 from .warned import Warned
 
@@ -53,6 +53,13 @@ class Surroundings:
             return "vector(normalize(I))"
         low, scale = code.attribute("vector", "box_low"), code.attribute("vector", "box_scale")
         return code.var("vector", f'(vector(transform("object", P)) - {low}) * {scale}')
+
+    def world_from_object(self):
+        return np.array((self.instance if self.instance is not None else self.object).matrix_world)
+
+    def scale(self):
+        """How much longer lengths are in the world than in the object."""
+        return float(abs(np.linalg.det(self.world_from_object()[:3, :3])) ** (1 / 3)) or 1.0
 
     def inverse_of(self, other):
         return np.linalg.inv(np.array(other.matrix_world))
@@ -379,7 +386,8 @@ class Export:
         """The number of a material, the attributes that it reads, and whether it is that of this object alone."""
         if self.override is not None:
             text = NOTHING if is_volume_alone(material) else self.override(found)
-            return self.shader(text, "override", {}), {}, False
+            moved, attributes, uses_object = self.displacement(material, found, mesh, slot, instance, {})
+            return self.shader(text, "override", {}, moved=moved), attributes, uses_object
         if material is None:
             return self.shader(GREY, "default", {}), {}, False
         tree = getattr(material, "node_tree", None)
@@ -388,22 +396,24 @@ class Export:
             return self.shader(f"surface blender_plain () {{ Ci = color({color}) * diffuse(N); }}", material.name, {}), {}, False
         host = Surroundings(self, material, found, mesh, slot, instance)
         host.random_id = instance.random_id if instance.is_instance else hashes.of_name(found.name)
-        key = (material.as_pointer(), host.active_uv())
+        key = (material.as_pointer(), host.active_uv(), dicing.longest_edge(self, found))
         if key in self.materials:
             return self.materials[key]
         code = Code("surface", host)
         output = tree.get_output_node("CYCLES")
         result, medium = [], None
         if output is not None:
-            if output.inputs["Displacement"].is_linked and material.displacement_method != "DISPLACEMENT_":
-                bump_of_displacement(code, tree, output, material)
+            if output.inputs["Displacement"].is_linked and material.displacement_method == "BUMP":
+                bump_of_displacement(code, tree, output)
             medium = volumes.of_body(self, code, tree, output, found, np.array(instance.matrix_world)) if mesh is not None and not self.masks else None
             surface = compile_tree(code, tree, output.inputs["Surface"])
             result = [f"Ci = {surface};"] if surface else []
             result += aovs.statements(code, tree) if self.part in {None, "others"} and not self.masks else []
             self.aovs |= code.aovs
         text = NOTHING if is_volume_alone(material) else code.text("blender_material", result or ["Ci = 0;"])
-        number = self.shader(text, material.name, code.textures, material.pass_index, medium)
+        moved, _, uses_object = self.displacement(material, found, mesh, slot, instance, code.attributes)
+        code.uses_object |= uses_object
+        number = self.shader(text, material.name, code.textures, material.pass_index, medium, moved)
         self.material_indices[number] = material.pass_index
         self.holds |= host.holdout
         made = (number, code.attributes, code.uses_object)
@@ -411,15 +421,34 @@ class Export:
             self.materials[key] = made
         return made
 
-    def shader(self, text, name, textures, index=0, medium=None):
-        """The number of a material with this shader, pass index and medium."""
-        key = (text, tuple(sorted(textures.items())), index, medium)
+    def displacement(self, material, found, mesh, slot, instance, attributes):
+        """Properties of a material that moves vertices, the attributes that it reads in addition to those given, and whether it is of
+        this object alone. Materials with bumps, and others, have none."""
+        tree = getattr(material, "node_tree", None) if material is not None and getattr(material, "use_nodes", True) else None
+        output = tree.get_output_node("CYCLES") if tree is not None else None
+        if mesh is None or output is None or not output.inputs["Displacement"].is_linked or material.displacement_method == "BUMP":
+            return {}, attributes, False
+        host = Surroundings(self, material, found, mesh, slot, instance)
+        code = Code("surface", host)
+        # One name for what both read.
+        code.attributes = attributes
+        properties = {"displacement_shader": displacement(code, tree, output), "displacement_textures": code.textures}
+        longest = dicing.longest_edge(self, found)
+        if longest is not None:
+            properties["displacement_edge"] = longest
+        return properties, attributes, code.uses_object
+
+    def shader(self, text, name, textures, index=0, medium=None, moved=None):
+        """The number of a material with this shader, pass index, medium and displacement."""
+        moved = moved or {}
+        key = (text, tuple(sorted(textures.items())), index, medium, repr(sorted(moved.items(), key=lambda item: item[0])))
         if key not in self.shaders:
             properties = {"textures": textures} if textures else {}
             properties |= {} if medium is None else {"medium": medium}
             # A surface of a medium that is not seen is no shader: shadow rays pass it without one.
             properties |= {"kind": "boundary"} if text == NOTHING and medium is not None else {"shader": text}
-            self.shaders[key] = self.scene.add_material(name, **properties)
+            self.shaders[key] = self.scene.add_material(name, **properties, **moved)
+            text += moved.get("displacement_shader", "")
             self.reads_uv[self.shaders[key]] = bool(re.search(r"\(u, v|dPdu", text))
         return self.shaders[key]
 

@@ -977,6 +977,49 @@ def displaced():
     lit()
 
 
+def moved(name, method, node="ShaderNodeDisplacement", texture="ShaderNodeTexNoise", scale=0.3, **inputs):
+    """A material whose vertices move by a texture."""
+    made = material(name, Base_Color=(0.6, 0.5, 0.4), Roughness=0.6)
+    made.displacement_method = method
+    tree, output, _ = nodes_of(made)
+    mover, wave = tree.nodes.new(node), tree.nodes.new(texture)
+    mover.inputs["Scale"].default_value = scale
+    for known, value in inputs.items():
+        wave.inputs[known].default_value = value
+    into = mover.inputs["Height"] if node == "ShaderNodeDisplacement" else mover.inputs["Vector"]
+    tree.links.new(wave.outputs["Fac" if into.name == "Height" else "Color"], into)
+    tree.links.new(mover.outputs[0], output.inputs["Displacement"])
+    return made
+
+
+@scene
+def displaced_truly():
+    """Outlines and shadows follow: noise along normals, and vectors of the object's space."""
+    floor()
+    shape("uv_sphere", (-1.1, 0, 1.2), moved("rocks", "DISPLACEMENT", scale=0.5), True, radius=0.8, segments=128, ring_count=64)
+    made = moved("blown", "BOTH", "ShaderNodeVectorDisplacement", scale=0.6)
+    next(node for node in made.node_tree.nodes if node.type == "VECTOR_DISPLACEMENT").space = "OBJECT"
+    shape("uv_sphere", (1.1, 0, 1.2), made, True, radius=0.8, segments=128, ring_count=64)
+    lit()
+
+
+@scene
+def displaced_lamp():
+    """A shining ball that displacement makes larger, and a cube of hard edges that is cut finer."""
+    floor()
+    made = material("shining", "ShaderNodeEmission", Strength=4.0)
+    made.displacement_method = "DISPLACEMENT"
+    tree, output, _ = nodes_of(made)
+    mover = tree.nodes.new("ShaderNodeDisplacement")
+    mover.inputs["Height"].default_value, mover.inputs["Midlevel"].default_value = 1.0, 0.0
+    mover.inputs["Scale"].default_value = 0.4
+    tree.links.new(mover.outputs[0], output.inputs["Displacement"])
+    shape("uv_sphere", (-1.2, 0, 1.4), made, True, radius=0.4, segments=64, ring_count=32)
+    cube = shape("cube", (1.2, 0, 1.1), moved("waves", "DISPLACEMENT", texture="ShaderNodeTexWave", scale=0.2), True, size=1.4)
+    finer = cube.modifiers.new("finer", "SUBSURF")
+    finer.subdivision_type, finer.levels, finer.render_levels = "SIMPLE", 6, 6
+
+
 def bodies(*materials):
     """Cubes on a floor, between a lamp and a camera."""
     floor()

@@ -13,14 +13,21 @@ use gnurt::scene::{Camera, Lens, Light, Material, MediumId, Projection, Surface,
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::displacements::{self, NewDisplacement};
 use crate::given::Given;
 use crate::scripts::script;
 use crate::textures::{Pictures, reference};
 
 const MOST: f64 = f32::MAX as f64;
 
+/// A material, and the displacement of its surfaces.
+pub(crate) struct NewMaterial {
+    pub(crate) look: NewLook,
+    pub(crate) displacement: NewDisplacement,
+}
+
 /// The scene's form of a material.
-pub(crate) enum NewMaterial {
+pub(crate) enum NewLook {
     Material(Material),
     /// Its name, the script that replaces it, and the medium behind it.
     Script(String, Script, Option<MediumId>),
@@ -28,15 +35,20 @@ pub(crate) enum NewMaterial {
 
 /// A material; `kind` selects its arguments, unless a shader replaces all of them.
 pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<NewMaterial> {
+    let displacement = displacements::displacement(given, pictures)?;
+    Ok(NewMaterial { look: look(given, pictures)?, displacement })
+}
+
+fn look(given: &mut Given, pictures: &dyn Pictures) -> PyResult<NewLook> {
     let name = given.text("name")?.unwrap_or_default();
     let medium = given.whole("medium", 0, u64::from(u32::MAX))?.map(|number| MediumId(number as u32));
     if let Some(script) = script(given, pictures)? {
-        return Ok(NewMaterial::Script(name, script, medium));
+        return Ok(NewLook::Script(name, script, medium));
     }
     let kind = given.text("kind")?.unwrap_or_else(|| "principled".into());
     if kind == "boundary" {
         return match medium {
-            Some(medium) => Ok(NewMaterial::Material(Material::boundary(name, medium))),
+            Some(medium) => Ok(NewLook::Material(Material::boundary(name, medium))),
             None => Err(PyValueError::new_err("medium: a boundary needs one")),
         };
     }
@@ -146,7 +158,7 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
             None => Alpha::Blend { opacity },
         };
     }
-    Ok(NewMaterial::Material(material))
+    Ok(NewLook::Material(material))
 }
 
 /// The interior of glass that is not thin.

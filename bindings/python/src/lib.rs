@@ -7,6 +7,7 @@ mod arrays;
 mod described_mesh;
 mod described_strands;
 mod describing;
+mod displacements;
 mod double_answers;
 mod double_trees;
 mod ffi_arrays;

@@ -4,49 +4,65 @@
 use std::sync::Arc;
 
 use gnurt::osl::Script;
-use gnurt::scene::{Material, MaterialId, MediumId, Scene as Description, Surface};
+use gnurt::scene::{Displacement, Material, MaterialId, MediumId, Scene as Description, Surface};
 use gnurt::shading::SurfaceShader;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::describing::NewMaterial;
+use crate::describing::{NewLook, NewMaterial};
+use crate::displacements::CompiledDisplacement;
 use crate::stage::Stage;
 use crate::{media, textures};
 
 /// A material before it is in a scene.
-pub(crate) enum Compiled {
+pub(crate) struct Compiled {
+    look: Look,
+    displacement: CompiledDisplacement,
+}
+
+enum Look {
     Material(Material),
     Script(String, Script, Option<MediumId>, Arc<dyn SurfaceShader>),
 }
 
 impl Compiled {
     /// Shaders take their time, so neither the interpreter nor the scene waits for them.
-    pub(crate) fn new(py: Python<'_>, material: NewMaterial) -> PyResult<Self> {
-        match material {
-            NewMaterial::Material(material) => Ok(Self::Material(material)),
-            NewMaterial::Script(name, script, medium) => py.detach(move || match script.surface() {
-                Ok(surface) => Ok(Self::Script(name, script, medium, surface)),
-                Err(why) => Err(PyValueError::new_err(format!("shader: {why}"))),
-            }),
-        }
+    pub(crate) fn new(py: Python<'_>, NewMaterial { look, displacement }: NewMaterial) -> PyResult<Self> {
+        let wrong = |what: &str, why: String| PyValueError::new_err(format!("{what}: {why}"));
+        py.detach(move || {
+            let script = match &look {
+                NewLook::Material(_) => None,
+                NewLook::Script(_, script, _) => Some(script),
+            };
+            let displacement = CompiledDisplacement::new(displacement, script)
+                .map_err(|why| wrong("displacement_shader", why))?;
+            let look = match look {
+                NewLook::Material(material) => Look::Material(material),
+                NewLook::Script(name, script, medium) => {
+                    let surface = script.surface().map_err(|why| wrong("shader", why))?;
+                    Look::Script(name, script, medium, surface)
+                }
+            };
+            Ok(Self { look, displacement })
+        })
     }
 
     /// As the scene has it.
-    pub(crate) fn put(self, stage: &mut Stage) -> PyResult<Material> {
-        let medium = match &self {
-            Self::Material(material) => material.medium,
-            Self::Script(_, _, medium, _) => *medium,
+    pub(crate) fn put(self, stage: &mut Stage) -> PyResult<(Material, Option<Displacement>)> {
+        let medium = match &self.look {
+            Look::Material(material) => material.medium,
+            Look::Script(_, _, medium, _) => *medium,
         };
         medium.map(|medium| media::medium_id(stage.scene(), medium.index())).transpose()?;
-        let material = match self {
-            Self::Material(material) => material,
-            Self::Script(name, script, medium, surface) => {
+        let material = match self.look {
+            Look::Material(material) => material,
+            Look::Script(name, script, medium, surface) => {
                 let surface = Surface::Shader(stage.add_script(script, surface));
                 Material { medium, ..Material::of(name, surface) }
             }
         };
         textures::check(&material, stage.scene().textures().len())?;
-        Ok(material)
+        Ok((material, self.displacement.put(stage)?))
     }
 }
 

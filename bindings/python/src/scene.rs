@@ -18,6 +18,7 @@ use crate::arrays::{Numbers, transform};
 use crate::described_mesh::DescribedMesh;
 use crate::described_strands::strands;
 use crate::describing;
+use crate::displacements;
 use crate::frames::Frames;
 use crate::given::Given;
 use crate::lights;
@@ -138,8 +139,12 @@ impl Scene {
         given.end()?;
         let material = Compiled::new(py, material)?;
         self.with(py, |stage| {
-            let material = material.put(stage)?;
-            Ok(stage.edit(|scene| scene.add_material(material.clone()).0))
+            let (material, displacement) = material.put(stage)?;
+            Ok(stage.edit(|scene| {
+                let id = scene.add_material(material.clone());
+                displacements::set(scene, id, displacement);
+                id.0
+            }))
         })
     }
 
@@ -150,8 +155,11 @@ impl Scene {
         let material = Compiled::new(py, material)?;
         self.with(py, |stage| {
             let id = material_id(stage.scene(), number)?;
-            let material = material.put(stage)?;
-            stage.edit(|scene| *scene.edit_material(id) = material.clone());
+            let (material, displacement) = material.put(stage)?;
+            stage.edit(|scene| {
+                *scene.edit_material(id) = material.clone();
+                displacements::set(scene, id, displacement);
+            });
             Ok(())
         })
     }

@@ -5,9 +5,10 @@
 
 use std::sync::Arc;
 
-use gnurt::osl::{Access, Script, shaders_by_material};
+use gnurt::osl::{Access, Kind, Script, shaders_by_material};
+use gnurt::scene::displacement::{Displacement, Offset};
 use gnurt::scene::{MaterialId, Surface};
-use gnurt::shading::SurfaceShader;
+use gnurt::shading::{DisplacementShader, SurfaceShader};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -20,7 +21,9 @@ use crate::textures::Pictures;
 pub(crate) struct Shaded {
     materials: Vec<usize>,
     script: Script,
-    surface: Arc<dyn SurfaceShader>,
+    /// `None` for displacement alone.
+    surface: Option<Arc<dyn SurfaceShader>>,
+    displacement: Option<Arc<dyn DisplacementShader>>,
 }
 
 /// Compiles the shaders for the materials with the name `material`, or for all (`*`), of a scene with materials of these
@@ -67,23 +70,41 @@ fn compiled(
     let script = scripts::script(&mut given, pictures)?;
     given.end()?;
     let script = script.ok_or_else(|| PyValueError::new_err("shader: expected a file, or source text"))?;
-    let surface = py.detach(|| script.surface());
-    let surface = surface.map_err(|why| PyValueError::new_err(format!("shader: {why}")))?;
-    Ok(Shaded { materials, script, surface })
+    let wrong = |why: String| PyValueError::new_err(format!("shader: {why}"));
+    let displacement = py.detach(|| script.displacement()).map_err(wrong)?;
+    let surface = match script.kind() {
+        Kind::Displacement => None,
+        _ => Some(py.detach(|| script.surface()).map_err(wrong)?),
+    };
+    Ok(Shaded { materials, script, surface, displacement })
 }
 
 impl Shaded {
     /// Puts the shader into a scene; the numbers of its materials.
     pub(crate) fn put(self, stage: &mut crate::stage::Stage) -> Vec<usize> {
-        let number = stage.add_script(self.script, self.surface);
         // The scene may have become another one meanwhile.
         let count = stage.scene().materials().len();
         let materials: Vec<usize> = self.materials.into_iter().filter(|&id| id < count).collect();
-        stage.edit(|scene| {
-            for &id in &materials {
-                scene.edit_material(MaterialId(id as u32)).surface = Surface::Shader(number);
-            }
-        });
+        if let Some(displacement) = self.displacement {
+            let script = self.surface.is_none().then(|| self.script.clone());
+            let offset = Offset::Shader(stage.add_displacement(displacement, script));
+            stage.edit(|scene| {
+                for &id in &materials {
+                    let id = MaterialId(id as u32);
+                    let refinement = scene.displacement(id).map(|before| before.refinement).unwrap_or_default();
+                    let displacement = Displacement { refinement, ..Displacement::new(offset) };
+                    scene.set_displacement(id, Some(displacement));
+                }
+            });
+        }
+        if let Some(surface) = self.surface {
+            let number = stage.add_script(self.script, surface);
+            stage.edit(|scene| {
+                for &id in &materials {
+                    scene.edit_material(MaterialId(id as u32)).surface = Surface::Shader(number);
+                }
+            });
+        }
         materials
     }
 }

@@ -14,7 +14,7 @@ use gnurt::render::{CommitOptions, Integrator, RenderOptions, ShaderTable, World
 use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Affine, Camera, CameraId, InstanceId, Scene, Texture, TextureId};
 use gnurt::shading::texture::TextureSampler;
-use gnurt::shading::{CameraShader, LightShader, PixelShader, SurfaceShader};
+use gnurt::shading::{CameraShader, DisplacementShader, LightShader, PixelShader, SurfaceShader};
 use gnurt::{FramePose, ThreadPool, camera_rays_along, named_camera_shader, put_named_shaders};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -152,6 +152,17 @@ impl Stage {
         self.shaders.surfaces.push(surface);
         self.scripts.push(script);
         (self.shaders.surfaces.len() - 1) as u32
+    }
+
+    /// The number of a displacement; `script` is of one that is no surface.
+    pub(crate) fn add_displacement(
+        &mut self,
+        shader: Arc<dyn DisplacementShader>,
+        script: Option<Script>,
+    ) -> u32 {
+        self.progress.extend(script.iter().flat_map(warnings_of));
+        self.shaders.displacements.push(shader);
+        (self.shaders.displacements.len() - 1) as u32
     }
 
     /// Shaders for light in Rec. 709, as new ones are.
@@ -299,7 +310,8 @@ impl Stage {
         let pixel = view.pixel_shader.as_ref().map(|(_, pixel)| pixel.clone());
         let shaders = ShaderTable { pixel, ..self.shaders.clone() };
         let scene = &shown.scene;
-        shown.world.commit_exposed(scene, &exposure, &shaders, &options, pool).map_err(|why| error(&why))?;
+        let committed = shown.world.commit_exposed(scene, &exposure, &shaders, &options, pool);
+        self.progress.extend(committed.map_err(|why| error(&why))?.warnings);
         let no_view = || PyValueError::new_err("camera: has no view: a number of it is too large");
         let moves = exposure.cameras.iter().find(|(id, _)| Some(id.index()) == number);
         let keys = moves.map_or(std::slice::from_ref(&camera), |(_, keys)| keys);

@@ -99,6 +99,8 @@ pub(crate) struct Generator<'a> {
     /// The node whose inputs have parameters without a path.
     main: Option<*const Element>,
     pub(crate) helpers: BTreeSet<&'static str>,
+    /// The offset of the material's surfaces, a vector.
+    pub(crate) displacement: Option<String>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -120,6 +122,7 @@ impl<'a> Generator<'a> {
             is_thin: false,
             main: None,
             helpers: BTreeSet::new(),
+            displacement: None,
             warnings: document.warnings.clone(),
         };
         generator.scopes.push(Scope {

@@ -91,7 +91,8 @@ fn listed(names: &[String]) -> String {
     if list.is_empty() { "none".to_owned() } else { list.join(", ") }
 }
 
-/// The whole text: closures are `Ci`; other values are outputs, and shine.
+/// The whole text: closures are `Ci`; other values are outputs, and shine. The offset of a material with a displacement shader is
+/// the output `displacement`.
 fn written(name: &str, g: &Generator<'_>, value: &Value) -> String {
     let mut text = String::from("// Made of a MaterialX document.\n");
     for (helper, body) in helpers::ALL {
@@ -122,6 +123,10 @@ fn written(name: &str, g: &Generator<'_>, value: &Value) -> String {
             },
         };
         let _ = writeln!(set, "    Ci = uniform_edf({color});");
+    }
+    if let Some(displacement) = &g.displacement {
+        parameters.push("output vector displacement = 0".to_owned());
+        let _ = writeln!(set, "    displacement = {displacement};");
     }
     let parameters: Vec<String> = parameters.into_iter().map(|line| format!("    {line}")).collect();
     let _ =

@@ -133,10 +133,25 @@ fn thin_walls_are_panes() {
 }
 
 #[test]
-fn what_is_left_out_is_said_once() {
+fn displacement_is_an_output() {
     let text = "<displacement name=\"d\" type=\"displacementshader\"><input name=\"displacement\" type=\"float\" \
                 value=\"1\"/></displacement><surfacematerial name=\"M\" type=\"material\"><input \
                 name=\"displacementshader\" type=\"displacementshader\" nodename=\"d\"/></surfacematerial>";
-    let made = generated(text, None).expect("a shader");
-    assert_eq!(made.warnings, ["t.mtlx:3: displacement is left out"]);
+    for text in [text.to_owned(), text.replace("\"float\" value=\"1\"", "\"vector3\" value=\"1, 2, 3\"")] {
+        let made = generated(&text, None).expect("a shader");
+        assert_eq!(made.warnings, [""; 0]);
+        assert!(made.text.contains("output vector displacement = 0"), "{}", made.text);
+        compiled(&made.text).expect("it compiles");
+    }
+    let without = generated("<standard_surface name=\"s\" type=\"surfaceshader\"/>", None).expect("a shader");
+    assert!(!without.text.contains("vector displacement"), "{}", without.text);
 }
+
+#[test]
+fn what_is_left_out_is_said_once() {
+    let text = "<volume name=\"v\" type=\"volumeshader\"/><volumematerial name=\"M\" type=\"material\"><input \
+                name=\"volumeshader\" type=\"volumeshader\" nodename=\"v\"/></volumematerial>";
+    let made = generated(text, None).expect("a shader");
+    assert_eq!(made.warnings, ["t.mtlx:3: volumes are left out"]);
+}
+

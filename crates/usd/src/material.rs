@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use gnurt_scene::displacement::{Displacement, Offset};
 use gnurt_scene::factors::{AlphaMode, Factors, MappedTexture, TextureTransform};
 use gnurt_scene::io::reader::{Meaning, Pictures};
 use gnurt_scene::material::{Alpha, Color, Material, Opacity, OpacityChannel, Surface, TextureRef};
@@ -25,6 +26,8 @@ pub(crate) struct Use {
     pub(crate) texcoords: Option<String>,
     /// Whether colours of the mesh are multiplied to its base colour.
     pub(crate) has_colors: bool,
+    /// Whether surfaces of it are displaced.
+    pub(crate) is_displaced: bool,
 }
 
 /// Materials of a scene, each once.
@@ -33,7 +36,7 @@ pub(crate) struct Materials<'a> {
     textures: Textures,
     known: HashMap<String, Use>,
     /// Those of one name, for files that many prims refer to.
-    by_name: HashMap<String, Vec<(Material, Use)>>,
+    by_name: HashMap<String, Vec<(Material, Option<Displacement>, Use)>>,
 }
 
 /// The colour of meshes without material and display colour.
@@ -53,7 +56,8 @@ impl<'a> Materials<'a> {
                 let opacity = Opacity { factor: 1.0, texture: None, channel: OpacityChannel::Alpha };
                 material.alpha = Alpha::Blend { opacity };
             }
-            Use { id: scene.add_material(material), texcoords: None, has_colors: has_colors || has_opacities }
+            let has_colors = has_colors || has_opacities;
+            Use { id: scene.add_material(material), texcoords: None, has_colors, is_displaced: false }
         };
         self.known.entry(key).or_insert_with(made).clone()
     }
@@ -84,7 +88,17 @@ impl<'a> Materials<'a> {
             id.starts_with("ND_") && (!id.starts_with("ND_UsdPreviewSurface") || reads_nodes(reader, shader))
         };
         if let Some(shader) = network.filter(is_document) {
-            return self.of_network(reader, scene, &shader, name);
+            let outputs = ["outputs:mtlx:displacement", "outputs:displacement"];
+            let moves = outputs.into_iter().find_map(|output| match reader.source(prim, output) {
+                Some(Source::Shader { prim, .. }) => Some(prim),
+                _ => None,
+            });
+            let is_node = |shader: &Path| reader.shader_id(shader).starts_with("ND_displacement");
+            if let Some(other) = moves.as_ref().filter(|other| **other != shader && !is_node(other)) {
+                let id = reader.shader_id(other);
+                reader.unsupported(other, format_args!("displacement by '{id}', left out"));
+            }
+            return self.of_network(reader, scene, &shader, moves.filter(is_node).as_ref(), name);
         }
         let outputs = ["outputs:surface", "outputs:mtlx:surface"];
         let surface = outputs.into_iter().find_map(|output| match reader.source(prim, output) {
@@ -105,26 +119,32 @@ impl<'a> Materials<'a> {
                 Material::matte(name, GREY)
             }
         };
-        for (output, what) in [("outputs:displacement", "displacement"), ("outputs:volume", "volume")] {
-            let is_given = matches!(reader.source(prim, output), Some(Source::Shader { .. }));
-            // A preview surface may name itself as displacement without having any.
-            if is_given && (what == "volume" || made.moves(prim)) {
-                reader.unsupported(prim, what);
-            }
+        let displacement = made.displacement(prim);
+        if matches!(reader.source(prim, "outputs:volume"), Some(Source::Shader { .. })) {
+            reader.unsupported(prim, "volume");
         }
         let (texcoords, has_colors) = (made.texcoords, made.has_colors);
+        let is_displaced = displacement.is_some();
+        let mut add = |material: Material| {
+            let id = scene.add_material(material);
+            if is_displaced {
+                scene.set_displacement(id, displacement);
+            }
+            id
+        };
         if reader.varying() != varying {
-            return Use { id: scene.add_material(material), texcoords, has_colors };
+            return Use { id: add(material), texcoords, has_colors, is_displaced };
         }
         let same = self.by_name.entry(material.name.clone()).or_default();
-        let equal = same.iter().find(|(known, user)| {
-            *known == material && user.texcoords == texcoords && user.has_colors == has_colors
+        let equal = same.iter().find(|(known, moved, user)| {
+            let is_same_look = *known == material && *moved == displacement;
+            is_same_look && user.texcoords == texcoords && user.has_colors == has_colors
         });
-        if let Some((_, known)) = equal {
+        if let Some((.., known)) = equal {
             return known.clone();
         }
-        let made = Use { id: scene.add_material(material.clone()), texcoords, has_colors };
-        same.push((material, made.clone()));
+        let made = Use { id: add(material.clone()), texcoords, has_colors, is_displaced };
+        same.push((material, displacement, made.clone()));
         made
     }
 }
@@ -143,12 +163,20 @@ impl Materials<'_> {
         let file = format!("{file}:{node}").into();
         let parameters = given.collect();
         scene.set_shader_file(id, ShaderFile { file, parameters, confined_to, ..ShaderFile::default() });
-        Some(Use { id, texcoords: Some("st".to_owned()), has_colors: true })
+        // The document is read later: it may displace.
+        Some(Use { id, texcoords: Some("st".to_owned()), has_colors: true, is_displaced: false })
     }
 
     /// The material of a network of MaterialX's nodes.
-    fn of_network(&mut self, reader: &Reader, scene: &mut Scene, shader: &Path, name: String) -> Use {
-        let network = mtlx::network(reader, shader);
+    fn of_network(
+        &mut self,
+        reader: &Reader,
+        scene: &mut Scene,
+        shader: &Path,
+        displacement: Option<&Path>,
+        name: String,
+    ) -> Use {
+        let network = mtlx::network(reader, shader, displacement);
         let key = format!("{name}{}", network.text);
         if let Some(known) = self.known.get(&key) {
             return known.clone();
@@ -167,7 +195,7 @@ impl Materials<'_> {
         let text = Some(network.text.into());
         scene.set_shader_file(id, ShaderFile { file, text, pictures, ..ShaderFile::default() });
         let texcoords = network.texcoords.or_else(|| Some("st".to_owned()));
-        let made = Use { id, texcoords, has_colors: true };
+        let made = Use { id, texcoords, has_colors: true, is_displaced: displacement.is_some() };
         self.known.insert(key, made.clone());
         made
     }
@@ -192,15 +220,34 @@ struct Network<'a, 'b> {
 }
 
 impl Network<'_, '_> {
-    /// Whether a preview surface is moved by its displacement.
-    fn moves(&self, material: &Path) -> bool {
-        let Some(Source::Shader { prim, .. }) = self.reader.source(material, "outputs:displacement") else {
-            return false;
-        };
-        match self.reader.source(&prim, "inputs:displacement") {
-            None => !self.reader.shader_id(&prim).contains("PreviewSurface"),
-            Some(Source::Value(found)) => crate::value::number(&found).is_some_and(|x| x != 0.0),
-            Some(Source::Shader { .. }) => true,
+    /// The displacement of a preview surface. A surface may name itself as displacement without having any.
+    fn displacement(&mut self, material: &Path) -> Option<Displacement> {
+        let outputs = ["outputs:displacement", "outputs:mtlx:displacement"];
+        let shader = outputs.into_iter().find_map(|output| match self.reader.source(material, output) {
+            Some(Source::Shader { prim, .. }) => Some(prim),
+            _ => None,
+        })?;
+        let id = self.reader.shader_id(&shader);
+        if !id.contains("PreviewSurface") {
+            self.reader.unsupported(&shader, format_args!("displacement by '{id}', left out"));
+            return None;
+        }
+        match self.reader.source(&shader, "inputs:displacement")? {
+            Source::Value(found) => {
+                let height = crate::value::number(&found).filter(|x| *x != 0.0)?;
+                Some(Displacement::new(Offset::Constant(height as f32)))
+            }
+            Source::Shader { .. } => {
+                let map = self.map(&shader, "displacement", Meaning::Data)?;
+                let channel = crate::textures::channel(&map.output);
+                let (scale, bias) = (map.scale[channel], map.bias[channel]);
+                let texture = self.reference(&map);
+                let height = Offset::Height { texture, channel: channel as u8 };
+                Some(match scale == 0.0 {
+                    true => Displacement::new(Offset::Constant(bias)),
+                    false => Displacement { scale, midlevel: -bias / scale, ..Displacement::new(height) },
+                })
+            }
         }
     }
 

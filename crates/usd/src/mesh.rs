@@ -25,6 +25,9 @@ use crate::weld::Corners;
 /// Triangles beyond which a surface is refined less often, unless `--subdivision` says how often.
 const DENSE: u64 = 250_000;
 
+/// The level of displaced surfaces, and the triangles up to which they have it.
+const DISPLACED: (u32, u64) = (LEVEL + 3, 4 * DENSE);
+
 /// The polygons of a mesh as they are read.
 pub(crate) struct Polygons {
     pub(crate) points: Vec<[f32; 3]>,
@@ -139,7 +142,10 @@ impl Builder<'_> {
         let mut control = None;
         if let Some(surface) = surface {
             let requested = reader.files.access.subdivision;
-            let (level, most) = requested.map_or((LEVEL, DENSE), |level| (level, MOST_TRIANGLES));
+            // Displacement is as fine as the triangles that it moves.
+            let is_displaced = parts.iter().any(|part| part.material.is_displaced);
+            let usual = if is_displaced { DISPLACED } else { (LEVEL, DENSE) };
+            let (level, most) = requested.map_or(usual, |level| (level, MOST_TRIANGLES));
             let most = most.min(reader.files.access.budget.left() / 256);
             let level = affordable_level(&faces, level, most);
             let mut channels = vec![Channel {

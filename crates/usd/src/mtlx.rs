@@ -26,12 +26,16 @@ pub(crate) struct Network {
     pub(crate) texcoords: Option<String>,
 }
 
-/// The document of the network behind a surface's shader.
-pub(crate) fn network(reader: &Reader, surface: &Path) -> Network {
+/// The document of the network behind a surface's shader, and behind a shader of displacement.
+pub(crate) fn network(reader: &Reader, surface: &Path, displacement: Option<&Path>) -> Network {
     let mut network = Network { text: String::new(), pictures: Vec::new(), texcoords: None };
     network.text.push_str("<?xml version=\"1.0\"?>\n<materialx version=\"1.39\">\n");
     let mut numbers = HashMap::from([(surface.as_str().to_owned(), 0_usize)]);
     let mut open = vec![surface.clone()];
+    if let Some(displacement) = displacement.filter(|path| *path != surface) {
+        numbers.insert(displacement.as_str().to_owned(), 1);
+        open.push(displacement.clone());
+    }
     while let Some(shader) = open.pop() {
         let id = reader.shader_id(&shader);
         let name = node_name(&shader, numbers[shader.as_str()]);
@@ -87,9 +91,17 @@ pub(crate) fn network(reader: &Reader, surface: &Path) -> Network {
     let _ = writeln!(
         network.text,
         "<surfacematerial name=\"material\" type=\"material\"><input name=\"surfaceshader\" type=\"surfaceshader\" \
-         nodename=\"{}\"/></surfacematerial>\n</materialx>",
+         nodename=\"{}\"/>",
         node_name(surface, 0)
     );
+    if let Some(displacement) = displacement.filter(|path| *path != surface) {
+        let name = node_name(displacement, 1);
+        let _ = writeln!(
+            network.text,
+            "<input name=\"displacementshader\" type=\"displacementshader\" nodename=\"{name}\"/>"
+        );
+    }
+    network.text.push_str("</surfacematerial>\n</materialx>");
     network
 }
 

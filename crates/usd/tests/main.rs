@@ -5,6 +5,7 @@ mod arrays;
 mod broken;
 mod cameras;
 mod composition;
+mod displacement;
 mod instancing;
 mod lights;
 mod materials;

@@ -98,6 +98,9 @@ def geometry(p):
         "Incoming": ("vector", "vector(-I)"),
         "Backfacing": ("float", "float(backfacing())"),
     }
+    if code.moves and "Position" in wanted:
+        code.uses_object = True
+        made["Position"] = ("vector", f"vector(transform({matrix(code.host.world_from_object())}, P))")
     if "Tangent" in wanted:
         made["Tangent"] = ("vector", radial_tangent(code, "Z"))
     if "Parametric" in wanted:

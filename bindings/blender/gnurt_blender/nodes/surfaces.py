@@ -373,11 +373,16 @@ def coat(p, whole):
     return closure(p, f"layer({weight} * {top}, {whole})")
 
 
-def bump_of_displacement(code, tree, output, material):
+def bump_of_displacement(code, tree, output):
     """Displacement as a change of the normal, which all nodes after it read."""
-    if material.displacement_method != "BUMP":
-        code.warn(f"material '{material.name}': displacement is shown as bumps")
     moved = socket_value(code, tree, output.inputs["Displacement"], None, "vector", "vector(0)")
     code.need("bump")
     height = code.var("float", f"{moved}[0]")
     code.line(f"N = b_bump(N, {height}, Dx({height}), Dy({height}), 1.0, 1.0);")
+
+
+def displacement(code, tree, output):
+    """The text of a shader that moves vertices."""
+    code.moves = True
+    offset = socket_value(code, tree, output.inputs["Displacement"], None, "vector", "vector(0)")
+    return code.text("blender_displacement", [f"P += {offset};"])

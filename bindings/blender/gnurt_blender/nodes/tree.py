@@ -59,6 +59,8 @@ class Code:
         self.made = {}
         self.depth = 0
         self.uses_object = False
+        # Whether it moves vertices; then the space of the object is that of points and vectors.
+        self.moves = False
 
     def warn(self, line):
         self.host.warn(line)
@@ -124,7 +126,8 @@ class Code:
             declared.append(f"    {kind} {known} = {zero} [[ int interpolated = 1 ]]")
         heads = [(FOLDER / f"{file}.h").read_text() for file in self.files]
         body = "\n".join(f"    {line}" for line in [*self.lines, *result])
-        return "\n".join([*heads, *self.extra.values(), f"{kinds[self.kind]} {name} (", ",\n".join(declared), f")\n{{\n{body}\n}}\n"])
+        kind = "displacement" if self.moves else kinds[self.kind]
+        return "\n".join([*heads, *self.extra.values(), f"{kind} {name} (", ",\n".join(declared), f")\n{{\n{body}\n}}\n"])
 
 
 class Place:

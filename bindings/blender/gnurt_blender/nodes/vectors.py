@@ -143,10 +143,34 @@ def normal_map(p):
     return {"Normal": ("vector", f"({strength} == 1.0) ? {turned} : b_unit(N + ({turned} - N) * {strength})")}
 
 
-@node("DISPLACEMENT", "VECTOR_DISPLACEMENT")
+@node("DISPLACEMENT")
 def displacement(p):
-    # `surfaces` turns heights into bumps; vectors have no picture.
-    if p.node.type == "VECTOR_DISPLACEMENT":
-        p.warn("vector displacement is not shown")
+    height = f"({p.f('Height')} - {p.f('Midlevel')}) * {p.f('Scale')}"
+    # `surfaces` turns heights into bumps.
+    if not p.code.moves:
+        return {"Displacement": ("vector", f"vector({height})")}
+    return {"Displacement": ("vector", moved(p, f"{height} * normalize(vector({p.normal()}))"))}
+
+
+@node("VECTOR_DISPLACEMENT")
+def vector_displacement(p):
+    if not p.code.moves:
+        p.warn("vector displacement is no bump, and is not shown")
         return {"Displacement": ("vector", "vector(0)")}
-    return {"Displacement": ("vector", f"vector(({p.f('Height')} - {p.f('Midlevel')}) * {p.f('Scale')})")}
+    offset = p.var("vector", f"(vector({p.c('Vector')}) - vector({p.f('Midlevel')})) * {p.f('Scale')}")
+    if p.space != "TANGENT":
+        return {"Displacement": ("vector", moved(p, offset))}
+    along = p.var("vector", "normalize(dPdu - dot(dPdu, N) * N)")
+    across = p.var("vector", f"((dot(cross(N, dPdu), dPdv) < 0) ? -1.0 : 1.0) * cross(vector(N), {along})")
+    return {"Displacement": ("vector", f"({offset}[0] * {along} + {offset}[1] * vector(N) + {offset}[2] * {across})")}
+
+
+def moved(p, offset):
+    """An offset in the object's space. In that of the world its length is divided by the object's scale."""
+    if p.space != "WORLD":
+        return offset
+    scale = p.code.host.scale()
+    if abs(scale - 1.0) < 1e-6:
+        return offset
+    p.code.uses_object = True
+    return f"({offset}) / {scale!r}"

@@ -95,6 +95,12 @@ class Scene(_Scene):
         Or shader=FILE or source text in the shading language, parameters={name: number, text or several of them}, and
         textures={name: number} for pictures that it calls by names. "FILE.mtlx", "FILE.mtlx:NODE" and the text of a document are
         materials of MaterialX, whose inputs are the parameters.
+
+        Surfaces are displaced along their normals by displacement=NUMBER, displacement_texture=NUMBER (displacement_channel 0 to 3; with
+        displacement_vector="object" or "tangent" its colours are vectors), each minus displacement_midlevel, times
+        displacement_scale; or by displacement_shader=FILE or source text (displacement_parameters, displacement_textures).
+        A shader with an output vector displacement displaces, too. displacement_edge=LENGTH cuts triangles until no edge is longer,
+        displacement_levels=N cuts each triangle into 4^N. Lengths are in the space of the mesh.
         """
         number = self._add_material({"name": name, **properties})
         _warn(self._progress())

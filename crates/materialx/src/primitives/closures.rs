@@ -235,7 +235,7 @@ fn shader<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Opti
             let [front, back, moved] =
                 all(g, call, ["surfaceshader", "backsurfaceshader", "displacementshader"])?;
             if g.is_given(call, "displacementshader") && moved.first() != "vector(0)" {
-                g.warn(call, "displacement is left out");
+                g.displacement = Some(moved.first().to_owned());
             }
             match back.first() {
                 "0" => front.first().to_owned(),
@@ -248,10 +248,21 @@ fn shader<'a>(g: &mut Generator<'a>, call: &Call<'a>, node: &str) -> Result<Opti
         }
         "displacement" => {
             let [d, scale] = all(g, call, ["displacement", "scale"])?;
-            match d.ty {
-                Ty::Float => format!("vector({} * {})", d.first(), scale.first()),
-                _ => format!("{} * {}", d.first(), scale.first()),
-            }
+            let (d, scale) = (
+                match d.ty {
+                    Ty::Float => format!("{} * vector(N)", d.first()),
+                    // Along dPdu, dPdv and N, of unit length.
+                    _ => {
+                        let by = g.name("vector", d.first());
+                        let along = g.name("vector", "normalize(dPdu - dot(dPdu, N) * N)");
+                        let side = "((dot(cross(N, dPdu), dPdv) < 0) ? -1.0 : 1.0)";
+                        let across = g.name("vector", &format!("{side} * cross(N, {along})"));
+                        format!("({by}[0] * {along} + {by}[1] * {across} + {by}[2] * vector(N))")
+                    }
+                },
+                scale.first(),
+            );
+            g.name("vector", &format!("{scale} * {d}"))
         }
         "volume" => {
             let [vdf, edf] = all(g, call, ["vdf", "edf"])?.map(|value| value.first().to_owned());

@@ -10,7 +10,7 @@ use gnurt_sl_shading::{Access, Kind, Script};
 use crate::floor::{floor, script};
 
 /// Offsets of forty points of the floor. Their normal is y; rays go against it when vertices are displaced.
-fn offsets(script: &Script) -> Vec<[f32; 3]> {
+pub(crate) fn offsets(script: &Script) -> Vec<[f32; 3]> {
     let shader = script.displacement().expect("not too large").expect("a displacement");
     let mut points = floor(40);
     points.ray_dir = Vec3s::splat(40, -Vec3::Y);

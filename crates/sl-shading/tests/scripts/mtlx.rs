@@ -93,3 +93,29 @@ fn tiles_of_pictures_have_v_upwards() {
     let expected = [[0.25, 0.25, 0.0], [0.5, 0.25, 0.0], [1.0, 0.5, 0.0], [0.0, 0.0, 1.0]];
     assert_eq!(found, expected.map(glam::Vec3::from), "rows upwards, and the default where there is no tile");
 }
+
+#[test]
+fn displacement_shaders_are_offsets() {
+    let document = |ty: &str, value: &str| {
+        let text = format!(
+            "<materialx version=\"1.39\"><standard_surface name=\"S\" type=\"surfaceshader\"/><displacement name=\"D\" \
+             type=\"displacementshader\"><input name=\"displacement\" type=\"{ty}\" value=\"{value}\"/><input name=\"scale\" \
+             type=\"float\" value=\"0.5\"/></displacement><surfacematerial name=\"M\" type=\"material\"><input \
+             name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/><input name=\"displacementshader\" \
+             type=\"displacementshader\" nodename=\"D\"/></surfacematerial></materialx>"
+        );
+        let script = Script::from_text("d.mtlx".as_ref(), &text, &Access::default()).expect("a script");
+        assert!(script.surface().is_ok(), "it is a surface, too");
+        script
+    };
+    for (script, expected) in [
+        (document("float", "3"), [0.0, 1.5, 0.0]),
+        // The floor's u grows along x, its v against z, and its normal is y.
+        (document("vector3", "1, 2, 4"), [0.5, 2.0, -1.0]),
+    ] {
+        for offset in super::displacement::offsets(&script) {
+            let near = (0..3).all(|k| (offset[k] - expected[k]).abs() < 1e-6);
+            assert!(near, "{offset:?} instead of {expected:?}");
+        }
+    }
+}
