@@ -997,7 +997,7 @@ def displaced_truly():
     """Outlines and shadows follow: noise along normals, and vectors of the object's space."""
     floor()
     shape("uv_sphere", (-1.1, 0, 1.2), moved("rocks", "DISPLACEMENT", scale=0.5), True, radius=0.8, segments=128, ring_count=64)
-    made = moved("blown", "BOTH", "ShaderNodeVectorDisplacement", scale=0.6)
+    made = moved("blown", "DISPLACEMENT", "ShaderNodeVectorDisplacement", scale=0.6)
     next(node for node in made.node_tree.nodes if node.type == "VECTOR_DISPLACEMENT").space = "OBJECT"
     shape("uv_sphere", (1.1, 0, 1.2), made, True, radius=0.8, segments=128, ring_count=64)
     lit()
@@ -1015,9 +1015,21 @@ def displaced_lamp():
     mover.inputs["Scale"].default_value = 0.4
     tree.links.new(mover.outputs[0], output.inputs["Displacement"])
     shape("uv_sphere", (-1.2, 0, 1.4), made, True, radius=0.4, segments=64, ring_count=32)
-    cube = shape("cube", (1.2, 0, 1.1), moved("waves", "DISPLACEMENT", texture="ShaderNodeTexWave", scale=0.2), True, size=1.4)
+    cube = shape("cube", (1.2, 0, 1.1), moved("waves", "DISPLACEMENT", texture="ShaderNodeTexWave", scale=0.2, Scale=1.0), True, size=1.4)
     finer = cube.modifiers.new("finer", "SUBSURF")
     finer.subdivision_type, finer.levels, finer.render_levels = "SIMPLE", 6, 6
+    lit()
+
+
+@scene
+def displaced_adaptively():
+    """A cube of six faces whose modifier asks for short edges."""
+    floor()
+    cube = shape("cube", (0, 0, 1.2), moved("ripples", "DISPLACEMENT", scale=0.4), True, size=1.6)
+    finer = cube.modifiers.new("finer", "SUBSURF")
+    finer.levels = finer.render_levels = 3
+    finer.use_adaptive_subdivision, finer.adaptive_space, finer.adaptive_object_edge_length = True, "OBJECT", 0.02
+    lit()
 
 
 def bodies(*materials):

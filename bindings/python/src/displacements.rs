@@ -72,7 +72,9 @@ pub(crate) fn displacement(given: &mut Given, pictures: &dyn Pictures) -> PyResu
         (Some(levels), None) => Refinement::Levels(levels as u8),
         (None, Some(longest)) => Refinement::Edges(longest as f32),
         (Some(_), Some(_)) => {
-            return Err(PyValueError::new_err("displacement_edge: give that or displacement_levels, not both"));
+            return Err(PyValueError::new_err(
+                "displacement_edge: give that or displacement_levels, not both",
+            ));
         }
     };
     let offset = match (height, texture, script) {
@@ -113,7 +115,9 @@ impl CompiledDisplacement {
                 Some(shader) => CompiledOffset::Shader(shader, Some(script)),
                 None => {
                     let name = script.name();
-                    return Err(format!("{name}: it is no displacement, and has no output vector displacement"));
+                    return Err(format!(
+                        "{name}: it is no displacement, and has no output vector displacement"
+                    ));
                 }
             },
             NewOffset::None => match surface.map(Script::displacement).transpose()?.flatten() {

@@ -91,7 +91,8 @@ impl Shaded {
             stage.edit(|scene| {
                 for &id in &materials {
                     let id = MaterialId(id as u32);
-                    let refinement = scene.displacement(id).map(|before| before.refinement).unwrap_or_default();
+                    let refinement =
+                        scene.displacement(id).map(|before| before.refinement).unwrap_or_default();
                     let displacement = Displacement { refinement, ..Displacement::new(offset) };
                     scene.set_displacement(id, Some(displacement));
                 }

@@ -10,7 +10,7 @@ use gnurt_render::ShaderTable;
 use gnurt_scene::displacement::{Displacement, Offset};
 use gnurt_scene::{CameraId, MaterialId, Scene, ShaderFile, Surface, TextureId};
 use gnurt_shading::DisplacementShader;
-use gnurt_sl_shading::{Access, CameraScript, Script, sampler};
+use gnurt_sl_shading::{Access, CameraScript, Kind, Script, sampler};
 
 /// Compiles a shader that a scene's file names or holds, and gives its parameters their values.
 fn script(scene: &Scene, named: &ShaderFile, space: WorkingSpace) -> Result<Script, String> {
@@ -51,6 +51,7 @@ pub fn named_camera_shader(
 }
 
 /// Compiles the shaders that a scene's file names for its materials, adds them to `table` and shows materials by them.
+/// A displacement shader, or the output `displacement` of a surface, displaces the surfaces of its material.
 /// A material whose shader fails stays as it is without it; the second list has a line for each, and the
 /// compiler's warnings. Their closures are converted to the working space.
 pub fn put_named_shaders(
@@ -62,13 +63,21 @@ pub fn put_named_shaders(
         scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
     let (mut scripts, mut reported) = (Vec::new(), Vec::new());
     for (id, named) in named {
-        let made = script(scene, &named, space)
-            .and_then(|script| Ok((script.surface()?, script.displacement()?, script)));
+        let made = script(scene, &named, space).and_then(|script| {
+            let is_surface = script.kind() != Kind::Displacement;
+            let surface = is_surface.then(|| script.surface()).transpose()?;
+            Ok((surface, script.displacement()?, script))
+        });
         match made {
             Ok((surface, displacement, script)) => {
                 if let Some(displacement) = displacement {
                     put_displacement(scene, table, &[id], displacement);
                 }
+                let Some(surface) = surface else {
+                    // The material stays as it is.
+                    reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+                    continue;
+                };
                 reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
                 // Its material without the shader is used if all surfaces are forced to be diffuse.
                 let diffuse = scene.material(id).diffuse_color();
@@ -106,6 +115,27 @@ pub fn put_displacement(
 mod tests {
     use super::*;
     use gnurt_scene::Material;
+
+    #[test]
+    fn displacement_shaders_leave_materials_as_they_are() {
+        let mut scene = Scene::new();
+        let mut named = |text: &str| {
+            let id = scene.add_material(Material::matte("", [0.5; 3]));
+            let file = ShaderFile { file: "a.osl".into(), text: Some(text.into()), ..ShaderFile::default() };
+            scene.set_shader_file(id, file);
+            id
+        };
+        let moved = named("displacement up () { displace (0.5); }");
+        let both =
+            named("surface s (output vector displacement = 0) { displacement = N; Ci = diffuse (N); }");
+        let mut table = ShaderTable::default();
+        let (scripts, reported) = put_named_shaders(&mut scene, &mut table, WorkingSpace::Rec709);
+        assert_eq!((scripts.len(), table.surfaces.len(), table.displacements.len()), (1, 1, 2));
+        assert_eq!(reported, Vec::<String>::new());
+        assert_eq!(scene.material(moved).surface, Material::matte("", [0.5; 3]).surface, "as it was");
+        let number = |id| scene.displacement(id).map(|displacement| displacement.offset);
+        assert_eq!([moved, both].map(number), [Some(Offset::Shader(0)), Some(Offset::Shader(1))]);
+    }
 
     #[test]
     fn shaders_that_cannot_be_had_change_nothing() {

@@ -154,4 +154,3 @@ fn what_is_left_out_is_said_once() {
     let made = generated(text, None).expect("a shader");
     assert_eq!(made.warnings, ["t.mtlx:3: volumes are left out"]);
 }
-

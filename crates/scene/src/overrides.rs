@@ -4,6 +4,7 @@
 //! fields, with their ranges.
 //! Tests: `tests`, crates/cli/tests/program/overrides.rs.
 
+use crate::displacement::{Displacement, Offset, Refinement};
 use crate::id::{InstanceId, LightId, MaterialId};
 use crate::labels::Shining;
 use crate::light::Light;
@@ -20,6 +21,8 @@ use crate::scene::Scene;
 ///   channel and keeps the colour; three numbers set the channels; `*` before a number multiplies by it. The unit is the
 ///   light's own (W/sr, W/m² or radiance).
 ///   `materials.NAME.emission` takes the same forms.
+/// * `materials.NAME.displacement`: how far surfaces move along their normals; the factor of a texture that displaces them already.
+///   `displacement_edge`: triangles are cut until no edge is longer; `displacement_levels`: each triangle is cut into four, so often.
 /// * `instances.NAME.visible`: `true` or `false`; `instances.NAME.holdout`: whether it leaves a hole in the picture;
 ///   `instances.NAME.traceset`: names of sets that it is added to, between commas.
 /// * `group` of lights, materials and instances: the light group of what they give off; any name.
@@ -112,6 +115,9 @@ impl Override {
         let places = self.places(scene)?;
         match &self.field[..] {
             "group" => return self.put_into_group(&places, scene),
+            field if self.list == List::Materials && field.starts_with("displacement") => {
+                return self.displace(&places, scene);
+            }
             "holdout" if self.list == List::Instances => return self.hold_out(&places, scene),
             "traceset" if self.list == List::Instances => return self.add_to_trace_sets(&places, scene),
             "link" => return self.link(&places, LinkKind::Lit, scene),
@@ -174,6 +180,41 @@ impl Override {
             return Ok(Ok(()));
         }
         Ok(known)
+    }
+
+    /// Changes how surfaces are displaced.
+    fn displace(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
+        let wrong = |allowed: &str| {
+            Err(format!("materials.{}.{}: invalid value '{}'; {allowed}", self.name, self.field, self.value))
+        };
+        let number = self.value.parse::<f32>().ok().filter(|x| x.is_finite());
+        for id in places.iter().copied().map(MaterialId) {
+            let none = Displacement::new(Offset::Constant(0.0));
+            let mut displacement = scene.displacement(id).copied().unwrap_or(none);
+            match (&self.field[..], number) {
+                ("displacement", Some(height)) => match &mut displacement.offset {
+                    Offset::Height { .. } | Offset::Vector { .. } => displacement.scale = height,
+                    offset => *offset = Offset::Constant(height),
+                },
+                ("displacement", None) => return wrong("give a number"),
+                ("displacement_edge", Some(longest)) if longest > 0.0 => {
+                    displacement.refinement = Refinement::Edges(longest);
+                }
+                ("displacement_edge", _) => return wrong("give a number above 0"),
+                ("displacement_levels", _) => match self.value.parse::<u8>() {
+                    Ok(levels @ 0..=12) => displacement.refinement = Refinement::Levels(levels),
+                    _ => return wrong("give a whole number from 0 to 12"),
+                },
+                (other, _) => {
+                    return Err(format!(
+                        "materials.{}: unknown field '{other}'; valid are: displacement, displacement_edge, displacement_levels",
+                        self.name
+                    ));
+                }
+            }
+            scene.set_displacement(id, Some(displacement));
+        }
+        Ok(())
     }
 
     fn put_into_group(&self, places: &[u32], scene: &mut Scene) -> Result<(), String> {
@@ -484,6 +525,17 @@ mod tests {
         let Surface::Principled(layered) = &scene.materials()[2].surface else { panic!("layers") };
         assert_eq!((layered.ior, layered.roughness, layered.subsurface.factor), (1.4, 0.2, 1.0));
         apply(&mut scene, "materials.gold.subsurface_radius=0.3,0.2,0.1").expect("a length by colour");
+        apply(&mut scene, "materials.gold.displacement_levels=3").expect("a whole number");
+        apply(&mut scene, "materials.gold.displacement=-0.5").expect("a hollow");
+        let refinement = Refinement::Levels(3);
+        let expected = Displacement { refinement, ..Displacement::new(Offset::Constant(-0.5)) };
+        assert_eq!(scene.displacement(MaterialId(1)), Some(&expected));
+        let texture = crate::texture::TextureRef::new(crate::id::TextureId(0));
+        let offset = Offset::Height { texture, channel: 0 };
+        scene.set_displacement(MaterialId(1), Some(Displacement::new(offset)));
+        apply(&mut scene, "materials.gold.displacement=0.25").expect("a factor");
+        let found = scene.displacement(MaterialId(1)).expect("one");
+        assert_eq!((found.scale, found.offset), (0.25, offset), "of the texture");
     }
 
     #[test]
@@ -501,6 +553,10 @@ mod tests {
             ("materials.gold.roughness=2", "from 0 to 1"),
             ("materials.gold.roughness=nan", "from 0 to 1"),
             ("materials.gold.base_color=1,2", "three numbers from 0 to 1"),
+            ("materials.gold.displacement=far", "give a number"),
+            ("materials.gold.displacement_edge=0", "above 0"),
+            ("materials.gold.displacement_levels=99", "from 0 to 12"),
+            ("materials.gold.displacement_size=1", "valid are: displacement, displacement_edge"),
             ("lights.1.intensity=1", "valid are: 0"),
             ("lights.0.intensity=*red", "after the *"),
             ("instances.a.visible=true", "the list is empty or nameless"),

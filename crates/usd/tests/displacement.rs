@@ -80,14 +80,16 @@ fn textures_have_channels_scales_and_wraps() {
         string inputs:varname = "map"
         float2 outputs:result
     }"#;
-    let body = stage("catmullClark", &preview("float inputs:displacement.connect = </M/T.outputs:g>", texture));
+    let body =
+        stage("catmullClark", &preview("float inputs:displacement.connect = </M/T.outputs:g>", texture));
     let text = format!("#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n{body}");
     let folder = Folder::with(&[("scene.usda", &text)]);
     std::fs::write(folder.path("h.png"), bytes).expect("a file");
     let loaded = folder.load("scene.usda", &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(warnings(&loaded), "");
-    let Some(Displacement { offset: Offset::Height { texture, channel: 1 }, scale: 0.5, midlevel: 0.5, .. }) =
-        only(&loaded)
+    let Some(Displacement {
+        offset: Offset::Height { texture, channel: 1 }, scale: 0.5, midlevel: 0.5, ..
+    }) = only(&loaded)
     else {
         panic!("{:?}", only(&loaded))
     };
