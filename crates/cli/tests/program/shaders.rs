@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use gnurt::image::{Picture, compare};
+use gnurt::image::{ChannelData, Picture, compare};
 
 use super::harness::Folder;
 
@@ -158,4 +158,42 @@ fn checkpoints_know_their_shaders() {
     folder.gnurt(&format!("{line} *=diffuse@diffuse.so:color=0.5")).fails(1, "options differ");
     compile(&folder, "diffuse", BLACK);
     folder.gnurt(&format!("{line} *=diffuse@diffuse.so")).fails(1, "options differ");
+}
+
+/// Distances along x over a sheet that is seen from above, one row.
+fn depths(folder: &Folder, options: &str) -> Vec<f32> {
+    let view = "--eye 0.5,0.5,2 --target 0.5,0.5,0 --up 0,1,0 --projection orthographic --view-height 0.0625 -r 64x4 --spp 1";
+    let line = format!("render sheet.obj {view} --integrator eyelight --layers depth {options} -o depth.exr");
+    folder.gnurt(&line).success();
+    let picture = picture(folder, "depth.exr");
+    let mut channels = picture.layers.iter().flat_map(|layer| &layer.channels);
+    let depth = channels.find(|channel| channel.name == "Z").expect("a layer of depths");
+    let ChannelData::Float(values) = &depth.data else { panic!("floats") };
+    values[128..192].iter().map(|z| 2.0 - z).collect()
+}
+
+#[test]
+fn displacement_by_shaders_and_numbers() {
+    let folder = Folder::new();
+    folder.write(
+        "sheet.obj",
+        "mtllib sheet.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nusemtl m\nf 1//1 2//1 3//1 4//1\n",
+    );
+    folder.write("sheet.mtl", "newmtl m\nKd 0.5 0.5 0.5\n");
+    folder.write("wave.osl", "displacement wave (float k = 1) { displace (k * sin (6.2831853 * P[0])); }");
+    let wave = |i: usize| (std::f32::consts::TAU * (i as f32 + 0.5) / 64.0).sin();
+    let all_near = |found: &[f32], expected: &dyn Fn(usize) -> f32| {
+        found.len() == 64 && found.iter().enumerate().all(|(i, z)| (z - expected(i)).abs() < 0.02)
+    };
+    let moved = depths(&folder, "--shader m=wave.osl:k=0.1 --set materials.m.displacement_edge=0.02");
+    assert!(all_near(&moved, &|i| 0.1 * wave(i)), "{moved:?}");
+    let constant = depths(&folder, "--set materials.m.displacement=0.25");
+    assert!(all_near(&constant, &|_| 0.25), "{constant:?}");
+    // The file of materials names it.
+    folder.write("sheet.mtl", "newmtl m\nKd 0.5 0.5 0.5\ngnurt_shader wave.osl k=-0.1\n");
+    let named = depths(&folder, "--set materials.m.displacement_levels=6");
+    assert!(all_near(&named, &|i| -0.1 * wave(i)), "{named:?}");
+    folder
+        .gnurt("render sheet.obj --shader wave.osl -o none.png")
+        .fails(2, "a displacement needs a material");
 }

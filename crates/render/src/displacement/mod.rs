@@ -23,8 +23,8 @@ use offsets::{Source, offsets};
 use places::{Places, face_sums, own_normals};
 use refine::Cut;
 
-/// Vertices of an object that may be displaced, after refinement: about 4 GiB while they move.
-pub(crate) const MOST_VERTICES: usize = 1 << 25;
+/// Vertices of an object that may be displaced, after refinement: about 2 GiB while they move.
+pub(crate) const MOST_VERTICES: usize = 1 << 24;
 
 /// Passes of refinement: edges become shorter by half in each.
 const MOST_PASSES: u8 = 24;
