@@ -168,7 +168,7 @@ fn depths(folder: &Folder, options: &str) -> Vec<f32> {
     let picture = picture(folder, "depth.exr");
     let mut channels = picture.layers.iter().flat_map(|layer| &layer.channels);
     let depth = channels.find(|channel| channel.name == "Z").expect("a layer of depths");
-    let ChannelData::Float(values) = &depth.data else { panic!("floats") };
+    let ChannelData::F32(values) = &depth.data else { panic!("floats") };
     values[128..192].iter().map(|z| 2.0 - z).collect()
 }
 
