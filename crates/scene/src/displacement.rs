@@ -56,7 +56,7 @@ pub enum VectorSpace {
 }
 
 /// How meshes are cut to smaller triangles before they are moved. All meshes of an object are cut alike, by the finest of its
-/// materials. New vertices lie in the middle of edges, so that no cracks open; normals are interpolated.
+/// materials. New vertices are in the middle of edges, so that no cracks open; normals are interpolated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Refinement {
     /// They stay as they are.

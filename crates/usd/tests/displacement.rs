@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Displacement of preview surfaces and of MaterialX's networks.
 
-use gnurt_scene::Displacement;
-use gnurt_scene::displacement::Offset;
-use gnurt_scene::io::{LoadOptions, Loaded};
-use gnurt_scene::texture::Wrap;
+use std::sync::Arc;
 
-use crate::support::{Folder, load, warnings};
+use gnurt_scene::displacement::{Offset, Refinement};
+use gnurt_scene::io::{LoadOptions, Loaded};
+use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, TextureRef, Wrap};
+use gnurt_scene::{Affine, Displacement, Material, Mesh, Scene};
+
+use crate::support::{FORMATS, Folder, load, warnings};
 
 const CUBE: &str = r#"
     int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]
@@ -123,4 +125,50 @@ fn networks_keep_their_displacement() {
     assert_eq!(loaded.scene.meshes()[0].indices.len(), 12 << 10, "and finer surfaces");
     let other = load(&stage("catmullClark", &network.replace("ND_displacement_float", "Other")));
     assert!(warnings(&other).contains("displacement by 'Other', left out"), "{}", warnings(&other));
+}
+
+#[test]
+fn heights_are_written_and_read() {
+    let mut before = Scene::new();
+    let data = TexelData::Linear8(vec![[0, 255, 0, 255], [64, 128, 192, 255]]);
+    let texels = Arc::new(Texels { width: 2, height: 1, data });
+    let (wrap, filter) = ([Wrap::ClampToEdge; 2], Filter::Linear);
+    let texture = before.add_texture(Texture { name: "h".into(), texels, wrap, filter });
+    let height = Offset::Height { texture: TextureRef::new(texture), channel: 2 };
+    let all = [
+        Displacement { scale: 0.5, midlevel: 0.25, ..Displacement::new(height) },
+        Displacement { scale: 2.0, ..Displacement::new(Offset::Constant(-0.25)) },
+        Displacement { refinement: Refinement::Levels(1), ..Displacement::new(Offset::Shader(0)) },
+    ];
+    for (i, displacement) in all.into_iter().enumerate() {
+        let material = before.add_material(Material::matte(format!("m{i}"), [0.5; 3]));
+        before.set_displacement(material, Some(displacement));
+        let mesh = before.add_mesh(Mesh {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, i as f32]],
+            texcoords: vec![[0.0; 2]; 3],
+            indices: vec![[0, 1, 2]],
+            material,
+            ..Mesh::default()
+        });
+        let object = before.add_object_of("", vec![mesh]);
+        before.instantiate(object, Affine::IDENTITY);
+    }
+    let folder = Folder::with(&[]);
+    let reported = FORMATS.save(&before, folder.path("a.usda")).unwrap_or_else(|error| panic!("{error}"));
+    let reported: Vec<String> = reported.iter().map(ToString::to_string).collect();
+    assert!(reported.iter().any(|line| line.contains("displacement by vectors or a shader")), "{reported:?}");
+    assert!(reported.iter().any(|line| line.contains("refinement of displaced meshes")), "{reported:?}");
+    let loaded = folder.load("a.usda", &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(warnings(&loaded), "");
+    let scene = &loaded.scene;
+    let found: Vec<Option<Displacement>> =
+        scene.meshes().iter().map(|mesh| scene.displacement(mesh.material).copied()).collect();
+    let Some(Displacement {
+        offset: Offset::Height { texture, channel: 2 }, scale: 0.5, midlevel: 0.25, ..
+    }) = found[0]
+    else {
+        panic!("{found:?}")
+    };
+    assert_eq!(scene.texture(texture.texture).wrap, wrap);
+    assert_eq!(found[1..], [Some(Displacement::new(Offset::Constant(-0.5))), None]);
 }

@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use gnurt_scene::displacement::{Displacement, Offset, Refinement};
 use gnurt_scene::io::Warnings;
 use gnurt_scene::io::writer::leave_out;
 use gnurt_scene::material::{
@@ -28,13 +29,22 @@ struct Preview {
     emission_texture: Option<TextureRef>,
 }
 
-/// Writes a material; its name.
-pub(super) fn write(material: &Material, scene: &Scene, files: &[String], text: &mut Text) -> String {
+/// Writes a material and the displacement of its surfaces; its name.
+pub(super) fn write(
+    (material, displacement): (&Material, Option<&Displacement>),
+    scene: &Scene,
+    files: &[String],
+    text: &mut Text,
+) -> String {
     let preview = preview(material);
     let name =
         text.open("def Material", if material.name.is_empty() { "Material" } else { &material.name }, &[]);
     let path = format!("/World/Looks/{name}");
     text.line(format_args!("token outputs:surface.connect = <{path}/Surface.outputs:surface>"));
+    let height = displacement.and_then(height);
+    if height.is_some() {
+        text.line(format_args!("token outputs:displacement.connect = <{path}/Surface.outputs:displacement>"));
+    }
     text.open("def Shader", "Surface", &[]);
     text.line("uniform token info:id = \"UsdPreviewSurface\"");
     let mut maps: Vec<Map> = Vec::new();
@@ -113,6 +123,10 @@ pub(super) fn write(material: &Material, scene: &Scene, files: &[String], text: 
             text.line(format_args!("float inputs:opacityThreshold = {}", cutoff.max(f32::MIN_POSITIVE)));
         }
     }
+    if let Some((height, map)) = height {
+        input(text, "float", "displacement", height.to_string(), map);
+        text.line("token outputs:displacement");
+    }
     text.line(format_args!("float inputs:ior = {}", preview.ior));
     if preview.clearcoat[0] > 0.0 {
         text.line(format_args!("float inputs:clearcoat = {}", preview.clearcoat[0]));
@@ -137,6 +151,21 @@ pub(super) fn write(material: &Material, scene: &Scene, files: &[String], text: 
     }
     text.close();
     name
+}
+
+/// The displacement as a preview surface has it: a height, or a texture of heights.
+fn height(displacement: &Displacement) -> Option<(f32, Option<Map>)> {
+    let Displacement { offset, scale, midlevel, .. } = *displacement;
+    match offset {
+        Offset::Constant(x) => Some(((x - midlevel) * scale, None)),
+        Offset::Height { texture, channel } => {
+            let output = *["r", "g", "b", "a"].get(usize::from(channel))?;
+            let (scale, bias) = ([scale; 4], [-midlevel * scale; 4]);
+            let map = Map { shader: "Height".into(), texture, output, scale, bias, is_color: false };
+            Some((0.0, Some(map)))
+        }
+        Offset::Vector { .. } | Offset::Shader(_) => None,
+    }
 }
 
 /// A texture that an input reads.
@@ -267,6 +296,11 @@ fn is_glass(material: &Material) -> bool {
 
 /// Warns of properties that a preview surface does not have.
 pub(super) fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+    let mut count_displaced = |is: &dyn Fn(&Displacement) -> bool, what: &str| {
+        leave_out(scene.displacements().filter(|(_, one)| is(one)).count(), what, path, warnings);
+    };
+    count_displaced(&|one| height(one).is_none(), "displacement by vectors or a shader");
+    count_displaced(&|one| one.refinement != Refinement::None, "refinement of displaced meshes");
     let mut count = |is: &dyn Fn(&Material) -> bool, what: &str| {
         leave_out(scene.materials().iter().filter(|material| is(material)).count(), what, path, warnings);
     };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Prims of a scene: meshes, instances, cameras. Tests: `tests/save.rs`.
 
-use gnurt_scene::{Affine, Camera, Mesh, Object, ObjectId, Primitives, Projection, Scene};
+use gnurt_scene::{Affine, Camera, MaterialId, Mesh, Object, ObjectId, Primitives, Projection, Scene};
 
 use super::text::{Text, VERTEX, tuple};
 use super::transforms::{frame, write_transform};
@@ -38,8 +38,9 @@ impl Writer<'_> {
         let scene = self.scene;
         text.open("def Xform", "World", &[]);
         text.open("def Scope", "Looks", &[]);
-        for material in scene.materials() {
-            let name = materials::write(material, scene, files, text);
+        for (material, id) in scene.materials().iter().zip((0..).map(MaterialId)) {
+            let displacement = scene.displacement(id);
+            let name = materials::write((material, displacement), scene, files, text);
             self.looks.push(format!("/World/Looks/{name}"));
         }
         text.close();
