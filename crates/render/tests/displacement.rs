@@ -14,8 +14,10 @@ use gnurt_testkit::Random;
 
 use crate::common::*;
 
-/// A shader that is a function of the point, its normal and coordinates.
-struct Function(fn([f32; 3], [f32; 3], [f32; 2]) -> [f32; 3]);
+/// An offset by the point, its normal and its coordinates.
+type Move = fn([f32; 3], [f32; 3], [f32; 2]) -> [f32; 3];
+
+struct Function(Move);
 
 impl DisplacementShader for Function {
     fn displace(&self, points: &SurfaceBatch, out: &mut Vec3s) {
@@ -30,7 +32,7 @@ impl DisplacementShader for Function {
     }
 }
 
-fn shaders(all: &[fn([f32; 3], [f32; 3], [f32; 2]) -> [f32; 3]]) -> ShaderTable {
+fn shaders(all: &[Move]) -> ShaderTable {
     let displacements = all.iter().map(|f| Arc::new(Function(*f)) as _).collect();
     ShaderTable { displacements, ..ShaderTable::default() }
 }
@@ -58,8 +60,15 @@ fn constant(x: f32) -> Displacement {
     Displacement::new(Offset::Constant(x))
 }
 
+/// How far a ray goes.
 fn hits(world: &World, ray: &Ray) -> f32 {
     world.intersect(ray).map_or(f32::INFINITY, |hit| hit.t)
+}
+
+/// The direction of a vector.
+fn unit(v: [f32; 3]) -> [f32; 3] {
+    let length = v.iter().map(|x| x * x).sum::<f32>().sqrt();
+    if length > 0.0 { v.map(|x| x / length) } else { [0.0, 0.0, 1.0] }
 }
 
 #[test]
@@ -80,7 +89,7 @@ fn a_sphere_and_a_constant_are_a_larger_sphere() {
     };
     let mut random = Random::new(3);
     for _ in 0..2000 {
-        let from = glam_unit(random.point()).map(|x| 4.0 * x);
+        let from = unit(random.point()).map(|x| 4.0 * x);
         let to: [f32; 3] = random.point().map(|x| 0.5 * x);
         let dir = [0, 1, 2].map(|k| to[k] - from[k]);
         let length = dir.iter().map(|x| x * x).sum::<f32>().sqrt();
@@ -96,11 +105,6 @@ fn a_sphere_and_a_constant_are_a_larger_sphere() {
             assert!((radius - 1.25).abs() < 2.5e-4, "the closed form, within the sagitta: {radius}");
         }
     }
-}
-
-fn glam_unit(v: [f32; 3]) -> [f32; 3] {
-    let length = v.iter().map(|x| x * x).sum::<f32>().sqrt();
-    if length > 0.0 { v.map(|x| x / length) } else { [0.0, 0.0, 1.0] }
 }
 
 /// A sheet over `[0, 1]^2` with its coordinates, of few triangles.
@@ -207,7 +211,7 @@ fn closed_shells_stay_closed() {
                 let mut random = Random::new(5);
                 for ray in 0..4000 {
                     let from = random.point().map(|x| 0.3 * x);
-                    let dir = glam_unit(random.point());
+                    let dir = unit(random.point());
                     let is_hit = world.occluded(&Ray::new(from, dir));
                     assert!(is_hit, "case {case}, {refinement:?}, both {both}: ray {ray} escapes");
                 }
@@ -271,15 +275,15 @@ fn shutters_instances_and_edits_follow() {
     world.commit_exposed(&scene, &exposure, &none, &how, &pool).expect("sound");
     let down = Ray::new([0.3, 0.4, 5.0], [0.0, 0.0, -1.0]);
     let across = Ray::new([5.0, 0.4, -0.3], [-1.0, 0.0, 0.0]);
-    let opened = Ray { time: 0.0, ..down.clone() };
+    let opened = Ray { time: 0.0, ..down };
     assert!((hits(&world, &opened) - 4.5).abs() < 1e-6, "when it opens: {}", hits(&world, &opened));
-    let closed = Ray { time: 1.0, ..across.clone() };
+    let closed = Ray { time: 1.0, ..across };
     let closed_at = hits(&world, &Ray { org: [2.0, 0.4, -0.3], ..closed });
     assert!((closed_at - 1.5).abs() < 1e-5, "when it closes, along the normal then: {closed_at}");
     // An edit of the displacement is one of the object, and of nothing else.
     commit(&mut world, &scene, &none);
     assert!((hits(&world, &down) - 4.5).abs() < 1e-6);
-    let second = Ray { org: [3.3, 0.4, 5.0], ..down.clone() };
+    let second = Ray { org: [3.3, 0.4, 5.0], ..down };
     assert!((hits(&world, &second) - 4.0).abs() < 1e-6, "the instance is scaled: {}", hits(&world, &second));
     assert_eq!(commit(&mut world, &scene, &none).built_objects, 0, "nothing has changed");
     scene.edit_material(material).emission = [1.0; 3];

@@ -197,7 +197,9 @@ impl Script {
         };
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let is_black = last.shader.find("Ci").is_none() && closure_outputs(&last.shader).is_empty();
-        let is_black = is_black && !displacement::has_offset(&last.shader);
+        // A `shader` without a closure that has an offset is nothing else.
+        let is_offset = is_black && &*last.shader.kind == "shader" && displacement::has_offset(&last.shader);
+        let kind = if is_offset { Kind::Displacement } else { kind };
         if kind == Kind::Surface && is_black {
             reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black"));
         }
@@ -416,21 +418,23 @@ impl Script {
         Ok(Arc::new(ScriptSurface { common, fixed, outputs }))
     }
 
-    /// As the displacement of a surface: of a shader of that type, or by the output `vector displacement` of a surface. `None` for
-    /// others.
+    /// As the displacement of a surface: of a shader of that type, or by the output `vector displacement` of a `surface` or `shader`.
+    /// `None` for others.
     ///
     /// # Errors
     /// It is too large.
     pub fn displacement(&self) -> Result<Option<Arc<dyn DisplacementShader>>, String> {
         let Some(last) = self.group.layers.last() else { return Ok(None) };
-        let is_surface = self.kind == Kind::Surface && displacement::has_offset(&last.shader);
+        let moves_point = &*last.shader.kind == "displacement";
         let value = match self.kind {
-            Kind::Displacement => displacement::POSITION,
-            _ if is_surface => displacement::OFFSET,
+            Kind::Displacement if moves_point => displacement::POSITION,
+            Kind::Displacement | Kind::Surface if displacement::has_offset(&last.shader) => {
+                displacement::OFFSET
+            }
             _ => return Ok(None),
         };
         let mut group = Cow::Borrowed(&self.group);
-        if self.kind == Kind::Displacement {
+        if moves_point {
             group
                 .to_mut()
                 .layers
@@ -442,7 +446,7 @@ impl Script {
             iterations: ITERATIONS,
             drops_outputs: true,
             // All layers move the point, one after the other.
-            lazy_globals: self.kind != Kind::Displacement,
+            lazy_globals: !moves_point,
             ..PlanOptions::default()
         };
         let plan =

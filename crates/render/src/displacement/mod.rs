@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Displacement at commit: the meshes of an object with their vertices moved.
-//! Source: the idea is \[Coo84\]'s; the rules for shared vertices are original. An object's meshes are cut as its materials require,
-//! their vertices are grouped by position, and each group moves by the mean of its offsets. Normals are then those of the
-//! moved triangles; hard edges stay hard, and meshes without normals stay flat. Meshes at keys of an open shutter move by the same
-//! amounts along their own normals.
+//! An object's meshes are cut as its materials require, their vertices are grouped by position, and each group moves by the
+//! mean of its offsets. Normals are then those of the moved triangles; hard edges stay hard, and meshes without normals stay
+//! flat. Meshes at keys of an open shutter move by the same amounts along their own normals.
 //! Space: object. Invariant: vertices at one position stay at one position; meshes that do not move keep their bits.
 //! Tests: crates/render/tests/displacement.rs.
 
@@ -140,15 +139,16 @@ fn refine(
     name: &str,
     warnings: &mut Vec<String>,
 ) -> bool {
-    let cuts: Vec<Cut> = chosen.iter().map(|&i| Cut::of(&object.meshes[i], longest)).collect();
-    let more: usize = cuts.iter().map(Cut::len).sum();
     let vertices: usize = chosen.iter().map(|&i| object.meshes[i].positions.len()).sum();
-    if vertices + more > most {
+    let room = most - vertices.min(most);
+    let cuts: Option<Vec<Cut>> = chosen.iter().map(|&i| Cut::of(&object.meshes[i], longest, room)).collect();
+    let cuts = cuts.filter(|cuts| cuts.iter().map(Cut::len).sum::<usize>() <= room);
+    let Some(cuts) = cuts else {
         warnings.push(format!(
             "mesh '{name}': refinement for displacement ends at {vertices} vertices: an object may displace {most}"
         ));
         return false;
-    }
+    };
     for (&i, cut) in chosen.iter().zip(&cuts).filter(|(_, cut)| cut.len() > 0) {
         let before = object.meshes[i].positions.len();
         let mesh = Arc::make_mut(&mut object.meshes[i]);
@@ -163,7 +163,7 @@ fn refine(
             }
         }
     }
-    more > 0
+    cuts.iter().any(|cut| cut.len() > 0)
 }
 
 /// The offset of each vertex: the mean of those at its position that are displaced.

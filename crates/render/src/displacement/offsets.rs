@@ -91,7 +91,7 @@ pub(super) fn offsets(
         }
         Source::Height(sampler, channel) => {
             let at = |i: usize| directions[i] * amount(sampler.sample(uv(mesh, sampler, i))[*channel]);
-            chunked(mesh.positions.len(), |i| at(i))
+            chunked(mesh.positions.len(), at)
         }
         Source::Vector(sampler, space) => {
             let frame = (*space == VectorSpace::Tangent).then(|| Frame::of(mesh));

@@ -20,8 +20,9 @@ fn key(a: u32, b: u32) -> u64 {
 }
 
 impl Cut {
-    /// Edges that are longer than `longest`; all for `None`. Nothing but the list of edges is made yet.
-    pub(super) fn of(mesh: &Mesh, longest: Option<f32>) -> Self {
+    /// Edges that are longer than `longest`; all for `None`. Nothing but the list of edges is made yet. `None` if there are more than
+    /// `most`, as they are if each belongs to two triangles.
+    pub(super) fn of(mesh: &Mesh, longest: Option<f32>, most: usize) -> Option<Self> {
         let is_long = |a: u32, b: u32| {
             let Some(longest) = longest else { return true };
             let ends = [a, b].map(|i| mesh.positions.get(i as usize));
@@ -33,11 +34,16 @@ impl Cut {
             [[a, b], [b, c], [c, a]].into_iter().filter(|&[a, b]| is_long(a, b)).map(|[a, b]| key(a, b))
         };
         let inside = |corners: &&[u32; 3]| corners.iter().all(|&i| (i as usize) < mesh.positions.len());
-        let mut keys: Vec<u64> = mesh.indices.iter().filter(inside).flat_map(long).collect();
+        let all = || mesh.indices.iter().filter(inside).flat_map(long);
+        // The list would be the first to take memory.
+        if all().count() / 2 > most {
+            return None;
+        }
+        let mut keys: Vec<u64> = all().collect();
         keys.par_sort_unstable();
         keys.dedup();
         let edges = keys.iter().map(|&key| [(key >> 32) as u32, key as u32]).collect();
-        Self { edges, keys }
+        Some(Self { edges, keys })
     }
 
     /// How many vertices it adds.
@@ -166,7 +172,7 @@ mod tests {
         for longest in [None, Some(4.1), Some(2.0), Some(0.9), Some(0.3)] {
             let mut mesh = sheet.clone();
             for _ in 0..6 {
-                let cut = Cut::of(&mesh, longest);
+                let cut = Cut::of(&mesh, longest, usize::MAX).expect("few edges");
                 let before = mesh.positions.len();
                 cut.grow(&mut mesh);
                 cut.cut(&mut mesh, before);
@@ -191,9 +197,8 @@ mod tests {
                 assert_eq!([p[0] / 4.0, p[1]], *uv, "coordinates follow");
             }
         }
-        assert!(
-            Cut::of(&sheet, Some(4.2)).len() == 0 && Cut::of(&sheet, Some(4.0)).len() == 1,
-            "edges alone"
-        );
+        let edges = |longest| Cut::of(&sheet, Some(longest), 1).map(|cut| cut.len());
+        assert_eq!([4.2, 4.0, 0.5].map(edges), [Some(0), Some(1), Some(3)], "edges of a triangle alone");
+        assert!(Cut::of(&sheet, None, 0).is_none(), "more than there may be");
     }
 }

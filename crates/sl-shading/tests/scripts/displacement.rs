@@ -70,6 +70,9 @@ fn surfaces_may_have_offsets() {
         "surface s (output vector displacement = 0) { displacement = vector (u, 2, 0); Ci = diffuse (N); }";
     check(text, |x| [x, 2.0, 0.0]);
     assert!(script(text).surface().is_ok(), "and are surfaces");
+    let alone = "shader s (output vector displacement = 0) { displacement = vector (0, u, 0); }";
+    check(alone, |x| [0.0, x, 0.0]);
+    assert_eq!(script(alone).kind(), Kind::Displacement, "without a closure it is nothing else");
     let none = script("surface s (output float displacement = 0) { Ci = diffuse (N); }");
     assert!(none.displacement().expect("sound").is_none(), "no vector");
     let plain = script("surface s () { Ci = diffuse (N); }");
