@@ -117,6 +117,7 @@ fn kind_of_commit(error: &CommitError) -> Error {
         // Closing an object that contains itself, or that nests too deep, is an error.
         CommitError::DanglingId { .. }
         | CommitError::UnknownShader { .. }
+        | CommitError::UnknownDisplacement { .. }
         | CommitError::BadMedium { .. }
         | CommitError::Nesting(_) => Error::InvalidOperation,
     }
