@@ -42,7 +42,7 @@ pub struct Compiled {
     pub(crate) template: Vec<Line>,
     /// Ranges of it that a batch changes and the next one needs unchanged: start and length in lines.
     pub(crate) resets: Vec<(usize, usize)>,
-    /// Used globals: name and slot.
+    /// Used and retained globals: name and slot.
     pub(crate) globals: Vec<(Arc<str>, Slot)>,
     /// Memories that no batch uses now.
     pub(crate) memories: Mutex<Vec<Vec<Line>>>,
@@ -104,9 +104,13 @@ impl Compiled {
             plan,
         };
         this.find_resets();
-        let used = |slot: &Slot| this.program.touched.contains_key(&slot.at);
+        // Those that no operation reads or writes may be results.
+        let is_retained = |name: &str| this.plan.retained().iter().any(|retained| retained.name == name);
+        let used = |(name, slot): &(&Arc<str>, &Slot)| {
+            this.program.touched.contains_key(&slot.at) || is_retained(name)
+        };
         let mut globals: Vec<(Arc<str>, Slot)> =
-            this.plan.globals.iter().filter(|(_, slot)| used(slot)).map(|(n, s)| (n.clone(), *s)).collect();
+            this.plan.globals.iter().filter(used).map(|(n, s)| (n.clone(), *s)).collect();
         globals.sort_by_key(|(_, slot)| slot.at);
         this.globals = globals;
         let retained = this.plan.retained().iter();

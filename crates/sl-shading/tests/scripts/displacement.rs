@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use glam::Vec3;
-use gnurt_shading::{AttributeRequest, Vec3s};
+use gnurt_shading::{AttributeRequest, DisplacementShader, Vec3s};
 use gnurt_sl_shading::{Access, Kind, Script};
 
 use crate::floor::{floor, script};
@@ -12,6 +12,16 @@ use crate::floor::{floor, script};
 /// Offsets of forty points of the floor. Their normal is y; rays go against it when vertices are displaced.
 pub(crate) fn offsets(script: &Script) -> Vec<[f32; 3]> {
     let shader = script.displacement().expect("not too large").expect("a displacement");
+    let interpreted = offsets_by(&*shader);
+    // Machine code takes over after a while, with the same values.
+    for _ in 0..20 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        assert_eq!(offsets_by(&*shader), interpreted, "machine code");
+    }
+    interpreted
+}
+
+fn offsets_by(shader: &dyn DisplacementShader) -> Vec<[f32; 3]> {
     let mut points = floor(40);
     points.ray_dir = Vec3s::splat(40, -Vec3::Y);
     (points.footprint, points.cone_spread) = (vec![0.0; 40], vec![0.0; 40]);
@@ -52,6 +62,9 @@ fn points_move_as_the_text_says() {
     });
     check("void up (float by) { displace (by); } displacement d () { up (2 * u); }", |x| [0.0, 2.0 * x, 0.0]);
     check("displacement d () { bump (3); }", |_| [0.0; 3]);
+    check("displacement d () { if (u > 3) P = point (1, 2, 3); }", |x| {
+        if x > 3.0 { [1.0 - x, 2.0, 3.0] } else { [0.0; 3] }
+    });
     check("displacement d () { displace (raytype (\"displacement\") - raytype (\"camera\")); }", |_| {
         [0.0, 1.0, 0.0]
     });
