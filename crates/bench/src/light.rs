@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use gnurt::ThreadPool;
 use gnurt::image::Picture;
-use gnurt::render::{Accumulation, Integrator, RenderOptions, Silent, World};
+use gnurt::render::{Accumulation, Guiding, Integrator, RenderOptions, Silent, World};
 use gnurt::shading::CameraShader;
 
 use crate::clock::process_seconds;
@@ -113,6 +113,7 @@ impl Truth {
             let options = RenderOptions {
                 integrator: Integrator::Path,
                 clamp: None,
+                guiding: Guiding::Off,
                 spp,
                 seed,
                 time_limit: None,

@@ -61,6 +61,14 @@ impl Statistics<'_> {
                 "per_second": self.rays_per_second(),
             },
             "gather": { "rays": render.gather_rays, "seconds": render.gather_seconds },
+            "guide": render.guide.map(|guide| json!({
+                "on": guide.is_on,
+                "moment": guide.moment,
+                "cells": guide.cells,
+                "nodes": guide.nodes,
+                "bytes": guide.bytes,
+                "seconds": guide.seconds,
+            })),
             "samples": render.samples,
             "bad_samples": render.bad_samples,
             "nodes_visited": render.nodes_visited,
@@ -105,6 +113,9 @@ impl fmt::Display for Statistics<'_> {
         row("camera rays", render.camera_rays.to_string())?;
         row("shadow rays", render.shadow_rays.to_string())?;
         row("secondary rays", render.secondary_rays.to_string())?;
+        if let Some(guide) = &render.guide {
+            row("guide", guide.to_string())?;
+        }
         row("nodes per ray", format!("{:.2}", per_ray(render.nodes_visited)))?;
         row("triangles per ray", format!("{:.2}", per_ray(render.triangles_tested)))?;
         row("rays per second", format!("{:.3e}", self.rays_per_second()))?;

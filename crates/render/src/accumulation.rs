@@ -17,6 +17,8 @@ use crate::bands::{ColorBand, FilmBand};
 use crate::error::RenderError;
 use crate::film::{self, TileFilm};
 use crate::frame::Frame;
+use crate::guide::Guide;
+use crate::guide_training::{self, Trained};
 use crate::job::Job;
 use crate::layers;
 use crate::many_lights::interleave::PatternTexels;
@@ -103,6 +105,8 @@ pub struct Accumulation {
     kinds: Vec<OutputKind>,
     /// State of virtual lights that all passes share.
     common: Arc<Common>,
+    /// The guide, once samples need it.
+    trained: Option<Arc<Trained>>,
 }
 
 impl Accumulation {
@@ -120,6 +124,7 @@ impl Accumulation {
             stats: RenderStats::default(),
             kinds: Vec::new(),
             common: Arc::default(),
+            trained: None,
         })
     }
 
@@ -145,6 +150,7 @@ impl Accumulation {
         }
         (self.options, self.region, self.stats) = (options, region, RenderStats::default());
         self.common = Arc::default();
+        self.trained = None;
         Ok(())
     }
 
@@ -206,6 +212,16 @@ impl Accumulation {
         whole
     }
 
+    /// Learns a guide, unless there is one.
+    fn train(&mut self, world: &World, camera: &dyn CameraShader, pool: &rayon::ThreadPool) {
+        if self.trained.is_none() {
+            let trained = guide_training::train(world, camera, &self.options, pool);
+            self.stats.add(&trained.cost);
+            self.stats.guide = Some(trained.stats);
+            self.trained = Some(Arc::new(trained));
+        }
+    }
+
     /// Updates the statistics after a pass.
     fn note_pass(&mut self, begin: Instant, pool: &rayon::ThreadPool) {
         self.stats.spp_min = self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
@@ -242,8 +258,14 @@ impl Accumulation {
         let opened = world.needs_times().then(|| world.with_times(seed));
         let is_of_pass = world.needs_times() && (has_virtual_lights || world.lights_move());
         let world = opened.as_ref().unwrap_or(world);
+        let guided_from = guide_training::guided_from(&options).filter(|&from| from < last && pixels > 0);
+        if guided_from.is_some() {
+            self.train(world, camera, pool);
+        }
+        let trained = self.trained.clone();
+        let guide = trained.as_ref().and_then(|trained| trained.guide.as_ref()).zip(guided_from);
         let all_samples = pixels * u64::from(self.options.spp);
-        let pass_setup = PassSetup { camera, options: &options, watch: &watched, deadline, all_samples };
+        let pass_setup = PassSetup { camera, options: &options, watch: &watched, deadline, all_samples, guide };
         let mut shared = pass_setup.job(world, self.stats.samples);
         shared.common = self.common.clone();
         // Virtual lights are one sample's.
@@ -413,6 +435,7 @@ struct PassSetup<'a> {
     watch: &'a dyn Watch,
     deadline: Option<Instant>,
     all_samples: u64,
+    guide: Option<(&'a Guide, u32)>,
 }
 
 impl<'a> PassSetup<'a> {
@@ -422,7 +445,7 @@ impl<'a> PassSetup<'a> {
         'a: 'j,
     {
         let mut job = Job::new(world, self.camera, self.options, self.watch);
-        (job.deadline, job.all_samples) = (self.deadline, self.all_samples);
+        (job.deadline, job.all_samples, job.guide) = (self.deadline, self.all_samples, self.guide);
         *job.samples_done.get_mut() = samples_done;
         job
     }

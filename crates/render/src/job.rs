@@ -17,6 +17,7 @@ use gnurt_simd::dispatch_wide;
 use crate::camera_batch::CameraBatch;
 use crate::cone::Cone;
 use crate::expressions::LightPaths;
+use crate::guide::Guide;
 use crate::many_lights::Common;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
@@ -51,6 +52,8 @@ pub(crate) struct Job<'a> {
     pub(crate) common: Arc<Common>,
     /// What paths are compared with, if layers of light are requested.
     pub(crate) light_paths: Option<Arc<LightPaths>>,
+    /// Where light comes from, and from which sample on paths are guided by it.
+    pub(crate) guide: Option<(&'a Guide, u32)>,
     /// Lights that do not reach everything, if there are any.
     pub(crate) links: Option<Arc<LightLinks>>,
 }
@@ -88,6 +91,7 @@ impl<'a> Job<'a> {
             centres: OnceLock::new(),
             common: Arc::default(),
             light_paths,
+            guide: None,
             links: LightLinks::new(world).map(Arc::new),
         }
     }

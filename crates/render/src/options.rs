@@ -91,6 +91,42 @@ impl FromStr for Integrator {
     }
 }
 
+/// Whether paths are guided to where light was found by a pilot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Guiding {
+    /// Directions are chosen by lobes alone.
+    #[default]
+    Off,
+    /// All samples are guided.
+    On,
+    /// Samples from [`AUTO_FROM`] on are guided, if the pilot finds that it pays.
+    Auto,
+}
+
+impl Guiding {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Off, Self::On, Self::Auto];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::On => "on",
+            Self::Auto => "auto",
+        }
+    }
+}
+
+impl fmt::Display for Guiding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// With [`Guiding::Auto`], pictures of no more samples per pixel make no pilot.
+pub const AUTO_FROM: u32 = 32;
+
 /// A name that is none of [`Integrator::ALL`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown integrator '{0}': expected {names}", names = Integrator::ALL.map(Integrator::name).join(", "))]
@@ -130,6 +166,8 @@ pub struct RenderOptions {
     /// no more than this in any channel: less noise, but the picture becomes too dark. A sample may add up
     /// several. `None` = unbiased.
     pub clamp: Option<f32>,
+    /// `Path`: whether directions are learned from a pilot rendering of the whole picture.
+    pub guiding: Guiding,
     /// For the integrators with virtual lights: the radiance of a white diffuse surface under light 1, if its
     /// shader only has `shade`. 1 in the light model of OpenRT (light times colour times cosine), 1 / pi in
     /// radiometry.
@@ -182,6 +220,7 @@ impl Default for RenderOptions {
             max_depth: 16,
             vpls: 1024,
             clamp: None,
+            guiding: Guiding::default(),
             white: 1.0,
             interleave: 1,
             ray_epsilon: 0.0,

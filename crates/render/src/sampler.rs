@@ -53,6 +53,7 @@ impl<'a> Sampler<'a> {
     pub(crate) fn tracer(&self) -> BatchTracer<'a> {
         let mut tracer = self.job.tracer(self.job.options.heatmap);
         tracer.cone = self.job.cone;
+        tracer.guide_from = self.job.guide;
         tracer.lights = self.pass.map(|pass| pass as _);
         tracer.wavefront.ledger = self.job.light_paths.clone().map(Ledger::new);
         tracer.wavefront.linked = self.job.links.clone().map(LinkedPaths::new);
@@ -61,6 +62,11 @@ impl<'a> Sampler<'a> {
 
     /// Takes the next samples of all pixels of a tile, up to the size of a batch and up to `last`.
     pub(crate) fn render_samples(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, last: u32) {
+        let (guide, last) = match tracer.guide_from {
+            Some((_, from)) if tile.samples < from => (None, last.min(from)),
+            guide => (guide.map(|(guide, _)| guide), last),
+        };
+        tracer.guide = guide;
         let mut batch = std::mem::take(&mut tracer.camera);
         let pixels = tile.first.len();
         let at_once = match self.job.options.integrator {

@@ -2,10 +2,47 @@
 //! Counters of a rendering: traced rays and cost. Counters are per tile and added at the end, in tile order:
 //! no thread waits for another one.
 
+use std::fmt;
+
 use crate::state::{SavedState, put_f64, put_u32};
 
 /// The largest counter that is believed.
 pub(crate) const MOST: u64 = 1 << 56;
+
+/// What a guide of paths is like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GuideStats {
+    /// Whether paths are guided.
+    pub is_on: bool,
+    /// Whether the map was larger than its budget.
+    pub is_too_large: bool,
+    /// The second moment of light with guide over that without, by samples of the pilot that the map was not built from.
+    pub moment: f32,
+    /// Parts of space with a distribution each.
+    pub cells: usize,
+    /// Nodes of all distributions.
+    pub nodes: usize,
+    /// Memory of the map.
+    pub bytes: usize,
+    /// Wall-clock seconds of the pilot.
+    pub seconds: f64,
+}
+
+impl fmt::Display for GuideStats {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { is_on, is_too_large, moment, cells, nodes, bytes, seconds } = self;
+        let on = match (is_on, is_too_large) {
+            (true, _) => "on",
+            (false, true) => "off, its map is too large",
+            (false, false) => "off, it would not pay",
+        };
+        write!(
+            f,
+            "{on}: second moment of light times {moment:.2}; {cells} cells, {nodes} nodes, {} KiB, {seconds:.2} s",
+            bytes >> 10
+        )
+    }
+}
 
 /// Counters of a rendering.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,6 +75,8 @@ pub struct RenderStats {
     pub seconds: f64,
     /// Threads of the pool.
     pub threads: usize,
+    /// The guide of paths, if one was asked for; not stored in checkpoints.
+    pub guide: Option<GuideStats>,
 }
 
 impl RenderStats {

@@ -21,6 +21,7 @@ use gnurt_shading::{
 use crate::camera_batch::CameraBatch;
 use crate::cone::Cone;
 use crate::cost::TileCosts;
+use crate::guide::Guide;
 use crate::held::Held;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
@@ -70,6 +71,10 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) lights: Option<&'w dyn FurtherLights>,
     /// Whether radiance-only shaders are probed for their scattering, in place of their radiance.
     pub(crate) probes: bool,
+    /// Where light comes from, if paths are guided.
+    pub(crate) guide: Option<&'w Guide>,
+    /// The same for samples from a number on.
+    pub(crate) guide_from: Option<(&'w Guide, u32)>,
     /// How pixels share virtual lights out.
     pub(crate) sharing: Sharing,
     /// The footprint of a pixel.
@@ -133,6 +138,8 @@ impl<'w> BatchTracer<'w> {
             costs: None,
             log: None,
             lights: None,
+            guide: None,
+            guide_from: None,
             probes: options.integrator.has_virtual_lights(),
             sharing: Sharing::All,
             cone: Cone::default(),

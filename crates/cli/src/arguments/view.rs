@@ -9,7 +9,7 @@ use clap::Args;
 use gnurt::accel::Memory;
 use gnurt::display_rules::TONE;
 use gnurt::image::{ExrCompression, ExrPixels, Picture, ToneCurve, WorkingSpace, WriteOptions, exposure_for};
-use gnurt::render::{Integrator, ReconstructionFilter};
+use gnurt::render::{Guiding, Integrator, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
 use gnurt::{Fog, Override, Surroundings, VolumeFile};
@@ -86,6 +86,10 @@ pub(crate) struct FrameArguments {
     /// 1/area; rays add the remainder (unbiased) [default: from the scene's size]
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
+    /// path: guide paths to where a pilot rendering found light: on, off, or auto = samples from the 33rd on, if the pilot
+    /// finds that it pays
+    #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "auto")]
+    pub(crate) guide: Guiding,
     /// ir, bir, mir: interleaved sampling in patterns of NxN pixels: N^2 times fewer rays, slightly blurred; 1, 3, 5 or 7;
     /// 1 = each pixel uses all virtual lights
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::interleave, allow_hyphen_values = true, default_value = "1")]

@@ -43,6 +43,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
         max_depth: arguments.max_depth,
         vpls: arguments.vpls,
         clamp: arguments.clamp,
+        guiding: arguments.guide,
         level,
         ..RenderOptions::default()
     };

@@ -518,6 +518,7 @@ pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptio
         max_depth: frame.max_depth,
         vpls: frame.vpls,
         clamp: frame.clamp,
+        guiding: frame.guide,
         noise: frame.noise,
         interleave: frame.interleave,
         level,
@@ -545,6 +546,9 @@ fn tell(stats: &RenderStats, arguments: &RenderArguments, messages: Messages) {
         stats.threads,
         million_rays / stats.seconds.max(1e-9)
     ));
+    if let Some(guide) = &stats.guide {
+        messages.detail(format_args!("guide: {guide}"));
+    }
     messages.trace(format_args!(
         "{} nodes visited, {} triangles tested",
         stats.nodes_visited, stats.triangles_tested

@@ -38,6 +38,7 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
     for paths in [&mut wavefront.paths, &mut wavefront.next] {
         paths.set_media(has_media);
         paths.set_bodies(media.has_bodies());
+        paths.set_guided(tracer.guide.is_some());
     }
     wavefront.paths.start(camera.rays);
     wavefront.seen.reset(if tracer.options.seen { camera.rays.len() } else { 0 }, Vec3::ZERO);
@@ -121,7 +122,8 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     if !tracer.world.media().is_empty() {
         let Wavefront { paths, next, unshadowed, in_media, near_lamps, ledger, linked, .. } = &mut *wavefront;
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, seen: None, held: None };
+        let (recorder, seen, held) = (None, None, None);
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, recorder, seen, held };
         let (of, from) = ((tracer.world, options), (&*paths, from.keys));
         for vertices in [(&*in_media, true), (&*near_lamps, false)] {
             dispatch_wide!(
@@ -136,7 +138,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     if options.aovs && from.depth == 0 {
         note_direct(tracer, &wavefront.radiance_only, radiance);
     }
-    let Wavefront { unshadowed, through, ledger, linked, .. } = wavefront;
+    let Wavefront { unshadowed, through, ledger, linked, recorder, .. } = wavefront;
     let blockers = linked.as_ref().map(|LinkedPaths { links, blockers: sets, .. }| Blockers { links, sets });
     let passes = (unshadowed.through(tracer.world.media()), blockers);
     tracer.passed(&unshadowed.request, passes, through);
@@ -149,6 +151,9 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
             let light = add(radiance, lane, light * share, edges, options.clamp);
             if let Some(ledger) = ledger {
                 ledger.arrived(k, (lane, light));
+            }
+            if let Some(recorder) = recorder {
+                recorder.found(unshadowed.trail_of(k), light);
             }
         }
     }
@@ -166,6 +171,7 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         closures,
         ledger,
         linked,
+        recorder,
         below,
         seen,
         ..
@@ -202,11 +208,13 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
             is_final,
             medium,
             shares,
+            guide: tracer.guide,
         };
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
         let held = Some(&mut tracer.held).filter(|held| !held.is_empty());
         let seen = options.seen.then_some((&mut *seen, most_edges(options)));
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, seen, held };
+        let recorder = recorder.as_mut();
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, recorder, seen, held };
         scatter(&met, &mut onward);
     });
 }
@@ -228,8 +236,8 @@ fn leave(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, ra
     if wavefront.below.is_empty() {
         return;
     }
-    let (world, options) = (tracer.world, tracer.options);
-    let Wavefront { paths, next, unshadowed, ledger, linked, below, .. } = wavefront;
+    let (world, options, guide) = (tracer.world, tracer.options, tracer.guide);
+    let Wavefront { paths, next, unshadowed, ledger, linked, recorder, below, .. } = wavefront;
     below.leave(tracer, paths, from, |paths, from, numbers, points, closures| {
         let (backdrop, is_final, medium, shares) = (None, false, 0, &[][..]);
         let met = Met {
@@ -244,9 +252,11 @@ fn leave(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, ra
             is_final,
             medium,
             shares,
+            guide,
         };
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, seen: None, held: None };
+        let (recorder, seen, held) = (recorder.as_mut(), None, None);
+        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, recorder, seen, held };
         scatter(&met, &mut onward);
     });
 }
@@ -319,6 +329,9 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefro
         let light = add(radiance, path.lane, light, path.edges, tracer.options.clamp);
         if path.is_seen && path.edges <= most_edges(tracer.options) {
             wavefront.seen.add(path.lane as usize, light);
+        }
+        if let Some(recorder) = &mut wavefront.recorder {
+            recorder.found(path.trail, light);
         }
         if let Some(ledger) = &mut wavefront.ledger {
             let end = ledger.paths.classes.background();

@@ -18,6 +18,7 @@ use super::medium_vertices::MediumVertices;
 use super::through::Through;
 use crate::cone::{Cone, Cones};
 use crate::expressions::Ledger;
+use crate::guide::Recorder;
 use crate::world::{Inside, Media};
 
 /// A continuing path.
@@ -40,6 +41,9 @@ pub(crate) struct Path {
     pub(crate) inside: Inside,
     /// Whether only smooth surfaces have scattered it.
     pub(crate) is_seen: bool,
+    /// What a recorder knows it by, and the factor by which roulette spares it: meant if paths are guided.
+    pub(crate) trail: u32,
+    pub(crate) spared: f32,
 }
 
 /// Where a ray was scattered with a density.
@@ -76,6 +80,10 @@ pub(crate) struct Paths {
     /// The bodies that each ray is in; empty if no body has a medium that paths fly through.
     inside: Vec<Inside>,
     has_bodies: bool,
+    /// What a recorder knows each by, and the density of its directions over that of lobes; empty if none is guided.
+    pub(crate) trail: Vec<u32>,
+    pub(crate) spared: Vec<f32>,
+    is_guided: bool,
     /// The next ray of each.
     rays: RayBatch,
     cones: Cones,
@@ -148,6 +156,8 @@ impl Paths {
             absorption: if self.has_media { self.absorption.get(i) } else { Vec3::ZERO },
             inside: self.inside_of(i),
             is_seen: self.is_seen[i],
+            trail: self.trail_of(i),
+            spared: self.spared_of(i),
             from: (pdf != NOWHERE).then(|| Origin { p: self.from_p.get(i), ns: self.from_ns.get(i), pdf }),
         }
     }
@@ -182,6 +192,27 @@ impl Paths {
         self.capacity = 0;
     }
 
+    /// Sets whether they are guided.
+    pub(crate) fn set_guided(&mut self, is_guided: bool) {
+        self.is_guided = is_guided;
+        self.capacity = 0;
+    }
+
+    /// The trail of path `i`.
+    pub(crate) fn trail_of(&self, i: usize) -> u32 {
+        if self.is_guided { self.trail[i] } else { 0 }
+    }
+
+    /// The factor by which roulette spares path `i`.
+    pub(crate) fn spared_of(&self, i: usize) -> f32 {
+        if self.is_guided { self.spared[i] } else { 1.0 }
+    }
+
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
     /// One path for each camera ray; rays, keys and cones are not in it.
     pub(crate) fn start(&mut self, rays: &RayBatch) {
         let n = rays.len();
@@ -202,6 +233,12 @@ impl Paths {
         if self.has_media {
             (0..n).for_each(|i| self.from_p.set(i, Vec3::from(rays.get(i).org)));
             self.absorption.reset(n, Vec3::ZERO);
+        }
+        if self.is_guided {
+            self.trail.clear();
+            self.trail.resize(n, 0);
+            self.spared.clear();
+            self.spared.resize(n, 1.0);
         }
     }
 
@@ -263,6 +300,10 @@ impl Paths {
         if self.has_bodies {
             self.inside.resize(n, Inside::default());
         }
+        if self.is_guided {
+            self.trail.resize(n, 0);
+            self.spared.resize(n, 1.0);
+        }
         self.cones.resize(n);
         self.rays.org.iter_mut().chain(&mut self.rays.dir).for_each(|array| array.resize(n, 0.0));
     }
@@ -301,6 +342,10 @@ impl Paths {
                 let transmitted = next.how[1] >> i & 1 != 0;
                 self.inside[self.count] = Boundary::after(next.boundary, inside, i, transmitted);
             }
+            if self.is_guided {
+                self.trail[self.count] = of.paths.trail_of(number);
+                self.spared[self.count] = of.paths.spared_of(number);
+            }
             let [delta, transmitted, wide] = next.how.map(|bits| bits >> i & 1 != 0);
             let kind = RayKind::of(delta, transmitted, wide);
             self.cones.kind[self.count] = kind;
@@ -327,6 +372,9 @@ impl Paths {
         if self.has_bodies {
             self.inside[at] = path.inside;
         }
+        if self.is_guided {
+            (self.trail[at], self.spared[at]) = (path.trail, path.spared);
+        }
         self.from_ns.set(at, from.ns);
         self.from_pdf[at] = from.pdf;
         self.cones.set(at, cone);
@@ -350,6 +398,8 @@ pub(crate) struct Unshadowed {
     is_delta: Vec<bool>,
     /// The bodies that each ray begins in.
     inside: Vec<Inside>,
+    /// What a recorder knows their paths by.
+    trail: Vec<u32>,
     count: usize,
 }
 
@@ -375,8 +425,8 @@ impl Unshadowed {
     }
 
     fn resize(&mut self, n: usize) {
-        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, is_delta, inside, .. } = self;
-        [parent, edges].into_iter().for_each(|array| array.resize(n, 0));
+        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, is_delta, inside, trail, .. } = self;
+        [parent, edges, trail].into_iter().for_each(|array| array.resize(n, 0));
         is_delta.resize(n, false);
         inside.resize(n, Inside::default());
         radiance.resize(n);
@@ -408,6 +458,7 @@ impl Unshadowed {
             let number = of.numbers[i] as usize;
             parent[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
+            self.trail[self.count] = of.paths.trail_of(number);
             self.is_delta[self.count] = R::bits(delta_requests) >> i & 1 != 0;
             let (boundary, transmitted) =
                 (through.map(|(boundary, _)| boundary), through.map_or(0, |(_, t)| t));
@@ -431,6 +482,7 @@ impl Unshadowed {
         key.push(path.key);
         self.radiance.set(at, radiance);
         self.is_delta[at] = is_delta;
+        self.trail[at] = path.trail;
         self.inside[at] = path.inside;
     }
 
@@ -443,6 +495,11 @@ impl Unshadowed {
     pub(crate) fn through<'a>(&'a self, media: &'a Media) -> Option<Through<'a>> {
         let (inside, edges) = (&self.inside[..], &self.edges[..]);
         (!media.is_empty()).then_some(Through { media, inside, edges })
+    }
+
+    /// What a recorder knows the path of light `k` by.
+    pub(crate) fn trail_of(&self, k: usize) -> u32 {
+        self.trail[k]
     }
 
     /// Light `k`: whose radiance it is, how much and over how many edges.
@@ -473,6 +530,8 @@ pub(crate) struct Wavefront {
     pub(crate) ledger: Option<Ledger>,
     /// Where paths were scattered, if some lights do not reach everything.
     pub(crate) linked: Option<LinkedPaths>,
+    /// Notes vertices of paths for a guide, if one is learned.
+    pub(crate) recorder: Option<Recorder>,
     /// Light behind smooth surfaces only, by lane; empty if it is not requested.
     pub(crate) seen: Vec3s,
 }

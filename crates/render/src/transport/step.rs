@@ -21,6 +21,7 @@ use super::width::{LightRequests, Width, for_each_light_sample};
 use super::{add, opacity, roulette};
 use crate::cone::{ConeHit, fineness};
 use crate::expressions::{Ledger, Lobe, Scatter};
+use crate::guide::{self, Guide, Mixture, Recorder};
 use crate::held::Held;
 use crate::options::RenderOptions;
 use crate::world::{HitLanes, World};
@@ -46,6 +47,8 @@ pub(crate) struct Met<'a> {
     pub(crate) medium: u16,
     /// By point: the factor of paths that its lobes scatter, if some paths enter the surface; else empty.
     pub(crate) shares: &'a [f32],
+    /// Where light comes from, if paths are guided.
+    pub(crate) guide: Option<&'a Guide>,
 }
 
 /// Where the step leads.
@@ -57,6 +60,8 @@ pub(crate) struct Onward<'a> {
     pub(crate) ledger: Option<&'a mut Ledger>,
     /// Notes where paths were scattered, if some lights do not reach everything.
     pub(crate) linked: Option<&'a mut LinkedPaths>,
+    /// Notes vertices for a guide, if one is learned.
+    pub(crate) recorder: Option<&'a mut Recorder>,
     /// Light behind smooth surfaces only, and the most edges of its paths, if it is requested.
     pub(crate) seen: Option<(&'a mut Vec3s, u32)>,
     /// What lanes of the camera see of holes, if the world has holdouts.
@@ -181,6 +186,9 @@ impl Met<'_> {
             }
             let found = self.counted(found, lights, &path, (k, onward.linked.as_deref()));
             let light = add(onward.radiance, path.lane, path.throughput * found, path.edges, clamp);
+            if let Some(recorder) = &mut onward.recorder {
+                recorder.found(path.trail, light);
+            }
             if let Some((seen, most)) = &mut onward.seen
                 && (path.is_seen && path.edges <= *most && !self.is_final)
             {
@@ -302,9 +310,20 @@ fn scatter<W: Width>(
     let mut prepared = Prepared::none(zero);
     width.prepare(met.closures, first, (wo, throughput), &mut prepared);
     let draws = width.draws(options.seed, &points.key[first..], edges);
+    // A shadow catcher's share of light is not that of its lobes.
+    let mixture = met.guide.filter(|_| met.backdrop.is_none()).map(
+        #[inline(always)]
+        |guide| {
+            zero.outline(
+                #[inline(always)]
+                || Mixture::new(guide, there, [at.p, at.ns], &prepared),
+            )
+        },
+    );
+    let mixture = mixture.as_ref();
     if !lights.is_empty() {
         let requests = there & prepared.is_smooth();
-        let points = LitPoints { first, of, at: &at, wo, throughput, prepared: &prepared };
+        let points = LitPoints { first, of, at: &at, wo, throughput, prepared: &prepared, mixture };
         for_each_light_sample(
             width,
             (lights, draws),
@@ -315,7 +334,16 @@ fn scatter<W: Width>(
     }
     let [x, y, choice] = W::triple(draws, purpose::DIRECTION);
     let [_, survival] = W::pair(draws, purpose::CHOICE);
-    let chosen = prepared.sample([choice, x, y]);
+    let (chosen, of_lobes) = match mixture {
+        None => {
+            let chosen = prepared.sample([choice, x, y]);
+            (chosen, chosen.pdf)
+        }
+        Some(mixture) => zero.outline(
+            #[inline(always)]
+            || mixture.sample(&prepared, [choice, x, y]),
+        ),
+    };
     let mut cone = None;
     if !points.footprint.is_empty() {
         let at = hit_info(zero, points, first, wo);
@@ -323,9 +351,20 @@ fn scatter<W: Width>(
             #[inline(always)]
             |i| points.key.get(first + i).map_or(1.0, |&key| fineness(key)),
         );
-        cone = Some([at.width, at.spread_after(chosen.pdf, chosen.delta, chosen.transmitted, fineness)]);
+        cone = Some([at.width, at.spread_after(of_lobes, chosen.delta, chosen.transmitted, fineness)]);
     }
-    go_on((met, first), (of, there), &at, &prepared, (chosen, throughput), (survival, edges, cone), onward);
+    let chosen = Chosen { at: chosen, of_lobes, throughput, mixture };
+    go_on((met, first), (of, there), &at, &prepared, chosen, (survival, edges, cone), onward);
+}
+
+/// Directions that were chosen for points.
+struct Chosen<'a, R: Real> {
+    at: Sampled<R>,
+    /// Their density by lobes alone.
+    of_lobes: R,
+    /// Of the paths before.
+    throughput: Vector<R>,
+    mixture: Option<&'a Mixture<'a, R>>,
 }
 
 /// Points that request light: those of a batch from `first` on.
@@ -337,6 +376,7 @@ struct LitPoints<'a, R: Real> {
     wo: Vector<R>,
     throughput: Vector<R>,
     prepared: &'a Prepared<R>,
+    mixture: Option<&'a Mixture<'a, R>>,
 }
 
 /// Samples a light, of one group if it is named, for the points that request it.
@@ -349,12 +389,18 @@ fn take_light_sample<W: Width>(
     onward: &mut Onward,
 ) {
     let (options, points, lights) = (met.options, met.points, met.world.light_set());
-    let &LitPoints { first, of, at, wo, throughput, prepared } = of_points;
+    let &LitPoints { first, of, at, wo, throughput, prepared, mixture } = of_points;
     let (zero, one) = (width.zero(), width.zero().all(1.0));
     let translucent = prepared.is_translucent();
     let boundary = met.boundary(first, W::R::LANES);
     let light = width.lights((lights, group), [requests, translucent], [at.p, at.ns], [choice, x, y]);
-    let (value, pdf) = prepared.eval_pdf(light.dir);
+    let (value, mut pdf) = prepared.eval_pdf(light.dir);
+    if let Some(mixture) = mixture {
+        pdf = zero.outline(
+            #[inline(always)]
+            || mixture.pdf(light.dir, pdf),
+        );
+    }
     let lit = requests & light.found & !value.is_zero() & !light.radiance.is_zero();
     let weight = if met.backdrop.is_some() { one } else { power_heuristic(light.pdf, pdf) };
     let mut weight = W::R::pick(light.delta, one, weight);
@@ -483,23 +529,38 @@ fn go_on<R: Real>(
     (of, there): (Of, R::Mask),
     at: &Leaving<R>,
     prepared: &Prepared<R>,
-    (chosen, throughput): (Sampled<R>, Vector<R>),
+    Chosen { at: chosen, of_lobes, throughput: before, mixture }: Chosen<R>,
     (survival, edges, cone): (R, &[u32; LANES], Option<[R; 2]>),
     onward: &mut Onward,
 ) {
     let (zero, one) = (at.error.all(0.0), at.error.all(1.0));
-    let mut throughput = throughput * chosen.weight;
+    let mut throughput = before * chosen.weight;
     if !met.shares.is_empty() {
         throughput = throughput * zero.load(met.shares, first);
     }
     let mut alive = there & chosen.found;
+    // Guided paths carry less where more of them go: roulette is to see what they would carry without.
+    let mut spared = one;
+    if mixture.is_some() {
+        let of_paths = zero.each(
+            #[inline(always)]
+            |i| number_of(of, i).map_or(1.0, |number| met.paths.spared_of(number)),
+        );
+        let known = of_lobes.above(zero) & !chosen.delta;
+        let ratio = R::pick(known, chosen.pdf / R::pick(known, of_lobes, one), one);
+        spared = (of_paths * ratio).within(0.01, 1e4);
+    }
     let mut long = 0;
     for (i, &edges) in edges.iter().enumerate().take(R::LANES) {
         long |= u64::from(roulette::decides(edges)) << i;
     }
     if long != 0 {
         let long = zero.points(long);
-        let keep = roulette::survival_from_eye(throughput.max_element());
+        let mut left = throughput.max_element();
+        if mixture.is_some() {
+            left = left * spared;
+        }
+        let keep = roulette::survival_from_eye(left);
         alive = alive & (keep.above(survival) | !long);
         throughput = Vector::pick(long, throughput.over(keep), throughput);
     }
@@ -523,7 +584,28 @@ fn go_on<R: Real>(
         seen &= !(u64::from(met.closures.is_dispersed(first + i)) << i);
     }
     let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how, seen, boundary };
+    let first_new = onward.next.count();
     onward.next.push_all(alive & sends, of, &next);
+    if let Some(mixture) = mixture {
+        for (n, i) in LanesOf(R::bits(alive & sends)).enumerate() {
+            onward.next.spared[first_new + n] = spared.lane(i);
+            let is_guidable = mixture.guidable.lane(i) > 0.0 && how[0] >> i & 1 == 0;
+            if let Some(recorder) = onward.recorder.as_mut().filter(|_| is_guidable) {
+                let vertex = guide::Vertex {
+                    p: at.p.get(i),
+                    dir: chosen.wi.get(i),
+                    pdf: chosen.pdf.lane(i),
+                    pdf_of_lobes: of_lobes.lane(i),
+                    guidable: mixture.guidable.lane(i),
+                    throughput: guide::grey(before.get(i)),
+                    light: 0.0,
+                    class: guide::class_of(at.ns.get(i)),
+                    before: met.paths.trail_of(of.numbers[i] as usize),
+                };
+                onward.next.trail[first_new + n] = recorder.scatter(vertex);
+            }
+        }
+    }
     if let Some(linked) = &mut onward.linked {
         for i in LanesOf(R::bits(alive & sends)) {
             linked.scatter(Some(met.points.inst_id[first + i]));

@@ -23,6 +23,9 @@ use super::scalar_lobes;
 use crate::real::{Real, Vector};
 use crate::sampling::{cosine_hemisphere_of, frame_around};
 
+/// Microfacets of a smaller width (GGX alpha) find by themselves most of what they reflect.
+const GUIDABLE: f32 = 0.1;
+
 /// A direction that was chosen for each point.
 #[derive(Clone, Copy)]
 pub struct Sampled<R: Real> {
@@ -291,6 +294,35 @@ impl<R: Real> Prepared<R> {
         self.any(
             #[inline(always)]
             |kind| kind.goes_through() && !kind.is_delta(),
+        )
+    }
+
+    /// The chance that a direction is drawn from a lobe wide enough to be worth guiding: one that sends light to all sides, or
+    /// rough microfacets.
+    #[inline(always)]
+    pub fn guidable(&self) -> R {
+        let mut sum = self.normal.x.all(0.0);
+        let no = sum.above(sum);
+        for lobe in self.lobes() {
+            let mut is = no;
+            for kind in Kind::ALL {
+                if lobe.has(kind) && kind.is_wide() {
+                    is = is | lobe.is(kind);
+                } else if lobe.has(kind) && matches!(kind, Kind::Microfacets | Kind::Metal) {
+                    is = is | (lobe.is(kind) & lobe.alpha.above_all(GUIDABLE));
+                }
+            }
+            sum = sum + R::pick(is, lobe.probability, sum.all(0.0));
+        }
+        sum
+    }
+
+    /// Points with a lobe that sends light to all sides.
+    #[inline(always)]
+    pub fn is_wide(&self) -> R::Mask {
+        self.any(
+            #[inline(always)]
+            |kind| kind.is_wide(),
         )
     }
 

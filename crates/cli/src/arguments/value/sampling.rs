@@ -3,7 +3,7 @@
 //! `value/mod.rs`.
 
 use gnurt::accel::Memory;
-use gnurt::render::Integrator;
+use gnurt::render::{Guiding, Integrator};
 use gnurt::simd::Level;
 
 use super::plain::{by_name, whole};
@@ -68,6 +68,11 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
 /// An integrator's name.
 pub(crate) fn integrator(name: &str) -> Result<Integrator, String> {
     by_name("integrator", name, &Integrator::ALL[..])
+}
+
+/// When paths are guided.
+pub(crate) fn guide(name: &str) -> Result<Guiding, String> {
+    by_name("choice", name, &Guiding::ALL[..])
 }
 
 /// The memory layout of trees.

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Directions by the map or by lobes: one sample of both, at as many points at a time as the CPU's registers hold.
+//! Source: [VG95] (one-sample model), [MGN17] section 3.3.
+//! Space: world. Invariant: [`Mixture::pdf`] is the density with which [`Mixture::sample`] chooses; deltas are chosen by lobes
+//! alone. Tests: crates/render/tests/{guide,lanes}.rs.
+
+use gnurt_shading::bsdf::{Prepared, Sampled};
+use gnurt_shading::lanes::{LANES, LanesOf};
+use gnurt_shading::real::{Real, Vector};
+
+use super::recorder::class_of;
+use super::space::Guide;
+
+/// The guide at some points.
+pub(crate) struct Mixture<'a, R: Real> {
+    guide: &'a Guide,
+    roots: [u32; LANES],
+    /// The share of directions that it chooses; 0 where it does not guide.
+    share: R,
+    /// The share of lobes that can be guided.
+    pub(crate) guidable: R,
+}
+
+impl<'a, R: Real> Mixture<'a, R> {
+    /// That of points at `p` with these normals, for those in the mask.
+    #[inline(always)]
+    pub(crate) fn new(
+        guide: &'a Guide,
+        there: R::Mask,
+        [p, ns]: [Vector<R>; 2],
+        prepared: &Prepared<R>,
+    ) -> Self {
+        let guidable = prepared.guidable();
+        let zero = guidable.all(0.0);
+        let mut roots = [u32::MAX; LANES];
+        let mut shares = [0.0; LANES];
+        for i in LanesOf(R::bits(there & guidable.above(zero))) {
+            if let Some(cell) = guide.cell(p.get(i), usize::from(class_of(ns.get(i)))) {
+                (roots[i], shares[i]) = (cell.root, cell.share);
+            }
+        }
+        Self { guide, roots, share: guidable * zero.load(&shares, 0), guidable }
+    }
+
+    /// The density of a unit direction that lobes choose with density `of_lobes`.
+    #[inline(always)]
+    pub(crate) fn pdf(&self, wi: Vector<R>, of_lobes: R) -> R {
+        let is = self.share.above_all(0.0);
+        if !R::any(is) {
+            return of_lobes;
+        }
+        let [of_guide] = of_lobes.each_where(
+            is,
+            #[inline(always)]
+            |i| [self.guide.pdf(self.roots[i], wi.get(i))],
+        );
+        R::pick(is, of_lobes * self.share.rest() + of_guide * self.share, of_lobes)
+    }
+
+    /// Chooses where paths go on; numbers as for [`Prepared::sample`]. Returns the density of the lobes alone as well.
+    #[inline(always)]
+    pub(crate) fn sample(&self, prepared: &Prepared<R>, [choice, x, y]: [R; 3]) -> (Sampled<R>, R) {
+        let zero = choice.all(0.0);
+        let by_guide = self.share.above(choice);
+        let rest = ((choice - self.share) / self.share.rest()).within(0.0, 0.999_999_9);
+        let is = self.share.above(zero);
+        let mut chosen = prepared.sample([R::pick(is, rest, choice), x, y]);
+        if !R::any(is) {
+            return (chosen, chosen.pdf);
+        }
+        let mut of_lobes = chosen.pdf;
+        let mut value = chosen.weight * R::pick(chosen.delta, zero, chosen.pdf);
+        if R::any(by_guide) {
+            let [dx, dy, dz] = choice.each_where(
+                by_guide,
+                #[inline(always)]
+                |i| self.guide.sample(self.roots[i], [x.lane(i), y.lane(i)]).into(),
+            );
+            let wi = Vector::pick(by_guide, Vector::new(dx, dy, dz), chosen.wi);
+            let (seen, density) = prepared.eval_pdf(wi);
+            value = Vector::pick(by_guide, seen, value);
+            of_lobes = R::pick(by_guide, density, of_lobes);
+            chosen.wi = wi;
+            chosen.delta = chosen.delta & !by_guide;
+            chosen.transmitted =
+                (by_guide & zero.above(prepared.normal().dot(wi))) | (chosen.transmitted & !by_guide);
+            chosen.wide = chosen.wide | (by_guide & prepared.is_wide());
+            chosen.found = chosen.found | by_guide;
+        }
+        // Where lobes chose a delta, the guide could not have.
+        let mixed = is & !chosen.delta;
+        let pdf = R::pick(mixed, self.pdf(chosen.wi, R::pick(mixed, of_lobes, zero)), chosen.pdf);
+        let weight = Vector::pick(mixed, value.over(pdf), chosen.weight);
+        let weight = Vector::pick(is & chosen.delta, weight.over(self.share.rest()), weight);
+        chosen.found = chosen.found & (pdf.above(zero) | chosen.delta) & weight.is_finite();
+        (Sampled { weight, pdf, ..chosen }, of_lobes)
+    }
+}

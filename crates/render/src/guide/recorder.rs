@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The vertices of a pilot's paths, with the light that came to them.
+//! Space: world. Invariant: vertices of a tile are in an order that depends on the tile only.
+//! Tests: crates/render/tests/guide.rs.
+
+use glam::Vec3;
+
+/// A vertex at which a path chose where to go on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex {
+    pub(crate) p: Vec3,
+    /// The unit direction that was chosen, and its density per solid angle; by lobes alone.
+    pub(crate) dir: Vec3,
+    pub(crate) pdf: f32,
+    pub(crate) pdf_of_lobes: f32,
+    /// The share of the lobes that can be guided.
+    pub(crate) guidable: f32,
+    /// The path's factor before.
+    pub(crate) throughput: f32,
+    /// The light at the eye that came from the direction.
+    pub(crate) light: f32,
+    /// The orientation of the surface.
+    pub(crate) class: u8,
+    /// The trail that led here.
+    pub(crate) before: u32,
+}
+
+/// Collects them. A trail is the number of the last vertex of a path, from 1 on; 0 = none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Recorder {
+    pub(crate) vertices: Vec<Vertex>,
+}
+
+impl Recorder {
+    /// Adds a vertex; returns the trail that it ends.
+    pub(crate) fn scatter(&mut self, vertex: Vertex) -> u32 {
+        self.vertices.push(vertex);
+        self.vertices.len() as u32
+    }
+
+    /// Notes light at the eye at the end of a trail.
+    pub(crate) fn found(&mut self, mut trail: u32, light: Vec3) {
+        let light = grey(light);
+        while let Some(vertex) = self.vertices.get_mut((trail as usize).wrapping_sub(1)) {
+            vertex.light += light;
+            trail = vertex.before;
+        }
+    }
+}
+
+/// The mean of a colour.
+pub(crate) fn grey(color: Vec3) -> f32 {
+    color.element_sum() * (1.0 / 3.0)
+}
+
+/// The orientation of a surface with this normal.
+pub(crate) fn class_of(normal: Vec3) -> u8 {
+    let size = normal.abs();
+    let axis = if size.x >= size.y && size.x >= size.z { 0 } else { 1 + u8::from(size.z > size.y) };
+    2 * axis + u8::from(normal[usize::from(axis)] < 0.0)
+}
