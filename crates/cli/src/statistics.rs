@@ -64,6 +64,7 @@ impl Statistics<'_> {
             "guide": render.guide.map(|guide| json!({
                 "on": guide.is_on,
                 "moment": guide.moment,
+                "vertices": guide.vertices,
                 "cells": guide.cells,
                 "nodes": guide.nodes,
                 "bytes": guide.bytes,

@@ -258,7 +258,7 @@ impl Accumulation {
         let opened = world.needs_times().then(|| world.with_times(seed));
         let is_of_pass = world.needs_times() && (has_virtual_lights || world.lights_move());
         let world = opened.as_ref().unwrap_or(world);
-        let guided_from = guide_training::guided_from(&options).filter(|&from| from < last && pixels > 0);
+        let guided_from = options.guided_from().filter(|&from| from < last && pixels > 0);
         if guided_from.is_some() {
             self.train(world, camera, pool);
         }

@@ -4,7 +4,7 @@
 //! Source: [MGN17] (rounds that double), [MMRGN19] (all rounds teach). The pilot is discarded: samples of the picture do not depend
 //! on each other.
 //! Invariant: the guide depends on world, camera and options, neither on threads, crops, pieces nor numbers of samples.
-//! Memory: at most [`MOST_VERTICES`] vertices and [`MOST_BYTES`] of the map.
+//! Memory: at most [`MOST_VERTICES`] vertices, and what they make of the map.
 //! Tests: crates/render/tests/guide.rs.
 
 use std::time::Instant;
@@ -16,7 +16,7 @@ use crate::film::TileFilm;
 use crate::guide::{self, Guide, Recorder};
 use crate::job::Job;
 use crate::mattes::Mattes;
-use crate::options::{AUTO_FROM, Guiding, Integrator, RenderOptions};
+use crate::options::{Guiding, Pilot, RenderOptions};
 use crate::progress::Unwatched;
 use crate::sampler::Sampler;
 use crate::stats::{GuideStats, RenderStats};
@@ -26,16 +26,15 @@ use crate::world::World;
 
 /// The seed of the pilot differs in these bits.
 const PILOT: u64 = 0x2545_f491_4f6c_dd1d;
-/// The pilot has about as many pixels at most.
-const MOST_PIXELS: u32 = 20_000;
-/// Samples of each round.
-const ROUNDS: [u32; 4] = [1, 1, 2, 4];
-/// No further round begins with more vertices: 60 MB.
-const MOST_VERTICES: usize = 1 << 20;
-/// A larger map is not used.
-const MOST_BYTES: usize = 64 << 20;
+/// Width of its parts in pixels.
+const TILE: u32 = 32;
+/// Vertices that are stored: 120 MB. Directional trees have a node for 30 of them in each of 7 levels at most: 16 MB.
+const MOST_VERTICES: usize = 1 << 21;
 /// `auto` guides if the second moment of light falls to this share.
 const PAYS: f32 = 0.75;
+/// The pilot is given up if a quarter of it tells of more by so many vertices.
+const HOPELESS: f32 = 0.9;
+const ENOUGH: usize = 10_000;
 
 /// A guide, and from which sample on it is used.
 #[derive(Clone, Debug, Default)]
@@ -44,15 +43,6 @@ pub(crate) struct Trained {
     pub(crate) stats: GuideStats,
     /// What the pilot traced.
     pub(crate) cost: RenderStats,
-}
-
-/// The first sample that a guide is asked for; `None` if it never is.
-pub(crate) fn guided_from(options: &RenderOptions) -> Option<u32> {
-    match (options.integrator, options.guiding) {
-        (Integrator::Path, Guiding::On) => Some(0),
-        (Integrator::Path, Guiding::Auto) => Some(AUTO_FROM),
-        _ => None,
-    }
 }
 
 /// Renders the pilot and learns from it.
@@ -67,31 +57,33 @@ pub(crate) fn train(
     let mut job = Job::new(world, camera, &options, &Unwatched);
     job.light_paths = None;
     let Ok(region) = options.region() else { return Trained::default() };
-    let rects: Vec<[u32; 4]> = TileFilm::rects(region, &options).collect();
-    let mut tiles: Vec<Tile> = rects.into_iter().map(Tile::new).collect();
+    let rects: Vec<[u32; 4]> = rects(region).collect();
+    let most = MOST_VERTICES / rects.len().max(1);
+    let mut tiles: Vec<Tile> = rects.into_iter().map(|rect| Tile::new(rect, most)).collect();
     let mut cost = RenderStats::default();
-    let (mut guide, mut taken) = (Guide::default(), 0);
-    for round in ROUNDS {
-        let last = taken + round;
+    let (mut guide, mut taken, mut vertices) = (Guide::default(), 0, 0);
+    while taken < options.spp {
+        taken = (2 * taken).max(1);
         let of_tiles = pool.install(|| {
             let tiles = threads::Pieces::new(&mut tiles, 1);
-            let render = |_: &mut (), n: usize| tiles.lock(n)[0].render(&job, &guide, last);
+            let render = |_: &mut (), n: usize| tiles.lock(n)[0].render(&job, &guide, taken);
             threads::map_with(true, tiles.count(), || (), render)
         });
         of_tiles.iter().for_each(|stats| cost.add(stats));
-        taken = last;
-        guide = pool.install(|| learn(&tiles));
-        if tiles.iter().map(|tile| tile.recorder.vertices.len()).sum::<usize>() >= MOST_VERTICES {
+        tiles.iter_mut().for_each(|tile| tile.recorder.drop_dark());
+        vertices = tiles.iter().map(|tile| tile.recorder.vertices.len()).sum();
+        let may_end = 4 * taken == options.spp && options.guiding == Guiding::Auto && vertices >= ENOUGH;
+        guide = pool.install(|| learn(&tiles, taken == options.spp || may_end));
+        if may_end && guide.moment() > HOPELESS {
             break;
         }
     }
-    let pays = guide.moment() < PAYS || options.guiding == Guiding::On;
-    let fits = guide.bytes() <= MOST_BYTES;
+    let is_on = guide.moment() < PAYS || options.guiding == Guiding::On;
     let [cells, nodes] = guide.size();
     let stats = GuideStats {
-        is_on: pays && fits,
-        is_too_large: !fits,
+        is_on,
         moment: guide.moment(),
+        vertices,
         cells,
         nodes,
         bytes: guide.bytes(),
@@ -99,17 +91,15 @@ pub(crate) fn train(
     };
     // Its rays were traced; its samples are not in the picture.
     let cost = RenderStats { samples: 0, bad_samples: 0, ..cost };
-    Trained { guide: (pays && fits).then_some(guide), stats, cost }
+    Trained { guide: is_on.then_some(guide), stats, cost }
 }
 
 /// Options of the whole picture, smaller, and of nothing but light.
 fn pilot_options(options: &RenderOptions) -> RenderOptions {
-    let pixels = f64::from(options.width) * f64::from(options.height);
-    let scale = (f64::from(MOST_PIXELS) / pixels).sqrt().min(1.0);
-    let scaled = |size: u32| ((f64::from(size) * scale).round() as u32).max(1);
+    let Pilot { width, height, samples } = options.pilot();
     RenderOptions {
-        width: scaled(options.width),
-        height: scaled(options.height),
+        width,
+        height,
         seed: options.seed ^ PILOT,
         crop: None,
         piece: None,
@@ -122,9 +112,16 @@ fn pilot_options(options: &RenderOptions) -> RenderOptions {
         pixel_centres: false,
         light_layers: Vec::new(),
         mattes: Mattes::default(),
-        spp: ROUNDS.iter().sum(),
+        spp: samples,
         ..options.clone()
     }
+}
+
+/// The parts of the pilot: larger than tiles of pictures, since rounds take few samples.
+fn rects([x0, y0, x1, y1]: [u32; 4]) -> impl Iterator<Item = [u32; 4]> {
+    let starts = |low: u32, high: u32| (low..high).step_by(TILE as usize);
+    let corners = starts(y0, y1).flat_map(move |y| starts(x0, x1).map(move |x| [x, y]));
+    corners.map(move |[x, y]| [x, y, (x + TILE).min(x1), (y + TILE).min(y1)])
 }
 
 /// A part of the pilot.
@@ -134,8 +131,8 @@ struct Tile {
 }
 
 impl Tile {
-    fn new(rect: [u32; 4]) -> Self {
-        Self { film: TileFilm::new(rect, false, false), recorder: Recorder::default() }
+    fn new(rect: [u32; 4], most: usize) -> Self {
+        Self { film: TileFilm::new(rect, false, false), recorder: Recorder::new(most) }
     }
 
     fn render(&mut self, job: &Job, guide: &Guide, last: u32) -> RenderStats {
@@ -167,7 +164,7 @@ impl Tile {
 }
 
 /// Builds the guide from all vertices so far.
-fn learn(tiles: &[Tile]) -> Guide {
+fn learn(tiles: &[Tile], learns: bool) -> Guide {
     let means: Vec<f32> = tiles.iter().map(Tile::mean).collect();
     let mean = means.iter().sum::<f32>() / means.len().max(1) as f32;
     let weighted = tiles.iter().zip(&means).flat_map(|(tile, &own)| {
@@ -175,5 +172,5 @@ fn learn(tiles: &[Tile]) -> Guide {
         tile.recorder.vertices.iter().map(move |vertex| (vertex, weight))
     });
     let vertices: Vec<guide::Weighted> = weighted.collect();
-    guide::build(&vertices)
+    guide::build(&vertices, learns)
 }

@@ -99,7 +99,7 @@ pub enum Guiding {
     Off,
     /// All samples are guided.
     On,
-    /// Samples from [`AUTO_FROM`] on are guided, if the pilot finds that it pays.
+    /// Samples from [`RenderOptions::guided_from`] on are guided, if the pilot finds that it pays.
     Auto,
 }
 
@@ -123,9 +123,6 @@ impl fmt::Display for Guiding {
         f.pad(self.name())
     }
 }
-
-/// With [`Guiding::Auto`], pictures of no more samples per pixel make no pilot.
-pub const AUTO_FROM: u32 = 32;
 
 /// A name that is none of [`Integrator::ALL`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -245,6 +242,28 @@ impl RenderOptions {
         (n > 1 && self.integrator.has_virtual_lights()).then_some(n)
     }
 
+    /// The first sample of each pixel that a guide is asked for, if any is: by `auto` the 17th, and of small pictures that
+    /// from which on they have cost as much as the pilot. It depends on the picture's size, not on `spp`.
+    #[must_use]
+    pub fn guided_from(&self) -> Option<u32> {
+        match (self.integrator, self.guiding) {
+            (Integrator::Path, Guiding::On) => Some(0),
+            (Integrator::Path, Guiding::Auto) => Some(self.pilot().samples.max(AUTO_FROM)),
+            _ => None,
+        }
+    }
+
+    /// The size of the pilot of a guide: an eighth of the pixels, within limits, and as many samples as make enough paths.
+    pub(crate) fn pilot(&self) -> Pilot {
+        let pixels = f64::from(self.width) * f64::from(self.height);
+        let scale = ((pixels / 8.0).clamp(PILOT_PIXELS[0], PILOT_PIXELS[1]) / pixels).sqrt().min(1.0);
+        let [width, height] =
+            [self.width, self.height].map(|size| ((f64::from(size) * scale).round() as u32).max(1));
+        let wanted = PILOT_PATHS / (f64::from(width) * f64::from(height));
+        let samples = (wanted.min(f64::from(MOST_PILOT_SAMPLES)) as u32).max(1).next_power_of_two();
+        Pilot { width, height, samples: samples.clamp(LEAST_PILOT_SAMPLES, MOST_PILOT_SAMPLES) }
+    }
+
     /// The seed of virtual lights.
     pub(crate) fn seed_of_lights(&self) -> u64 {
         self.lights_seed.unwrap_or(self.seed)
@@ -293,6 +312,24 @@ impl RenderOptions {
     }
 }
 
+/// Size of the pilot of a guide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Pilot {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// Per pixel, a power of two.
+    pub(crate) samples: u32,
+}
+
+/// With [`Guiding::Auto`], pictures of no more samples per pixel make no pilot.
+const AUTO_FROM: u32 = 16;
+/// Pixels of a pilot, if the picture has as many.
+const PILOT_PIXELS: [f64; 2] = [20_000.0, 80_000.0];
+/// Paths of a pilot, about, if its samples are within limits.
+const PILOT_PATHS: f64 = 120_000.0;
+const LEAST_PILOT_SAMPLES: u32 = 8;
+const MOST_PILOT_SAMPLES: u32 = 64;
+
 /// No pattern is wider: its tiles would be few.
 const WIDEST: u32 = 7;
 
@@ -314,6 +351,20 @@ mod tests {
             "unknown integrator 'witted': expected eyelight, normals, whitted, path, ir, bir, mir",
             "the message says what there is"
         );
+    }
+
+    #[test]
+    fn pilots_are_small() {
+        let with = |width, height| {
+            let options =
+                RenderOptions { integrator: Integrator::Path, guiding: Guiding::Auto, width, height, ..Default::default() };
+            let Pilot { width, height, samples } = options.pilot();
+            ([width, height, samples], options.guided_from())
+        };
+        assert_eq!(with(160, 120), ([160, 120, 8], Some(16)), "all pixels of a small one");
+        assert_eq!(with(70, 45), ([70, 45, 64], Some(64)), "more samples of a tiny one");
+        assert_eq!(with(1, 1), ([1, 1, 64], Some(64)), "but no more than these");
+        assert_eq!(with(4000, 2000), ([400, 200, 8], Some(16)), "a hundredth of a large one");
     }
 
     #[test]

@@ -14,10 +14,10 @@ pub(crate) const MOST: u64 = 1 << 56;
 pub struct GuideStats {
     /// Whether paths are guided.
     pub is_on: bool,
-    /// Whether the map was larger than its budget.
-    pub is_too_large: bool,
     /// The second moment of light with guide over that without, by samples of the pilot that the map was not built from.
     pub moment: f32,
+    /// Vertices of the pilot's paths that it was learned from.
+    pub vertices: usize,
     /// Parts of space with a distribution each.
     pub cells: usize,
     /// Nodes of all distributions.
@@ -30,15 +30,11 @@ pub struct GuideStats {
 
 impl fmt::Display for GuideStats {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { is_on, is_too_large, moment, cells, nodes, bytes, seconds } = self;
-        let on = match (is_on, is_too_large) {
-            (true, _) => "on",
-            (false, true) => "off, its map is too large",
-            (false, false) => "off, it would not pay",
-        };
+        let Self { is_on, moment, vertices, cells, nodes, bytes, seconds } = self;
+        let on = if *is_on { "on" } else { "off, it would not pay" };
         write!(
             f,
-            "{on}: second moment of light times {moment:.2}; {cells} cells, {nodes} nodes, {} KiB, {seconds:.2} s",
+            "{on}: second moment of light times {moment:.2}; {vertices} vertices, {cells} cells, {nodes} nodes, {} KiB, {seconds:.2} s",
             bytes >> 10
         )
     }

@@ -16,6 +16,7 @@ mod determinism;
 mod displacement;
 mod edits;
 mod filtering;
+mod guide;
 mod holdouts;
 mod interleave;
 mod lanes;

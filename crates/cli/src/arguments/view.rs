@@ -86,7 +86,7 @@ pub(crate) struct FrameArguments {
     /// 1/area; rays add the remainder (unbiased) [default: from the scene's size]
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
-    /// path: guide paths to where a pilot rendering found light: on, off, or auto = samples from the 33rd on, if the pilot
+    /// path: guide paths to where a pilot rendering found light: on, off, or auto = samples from the 17th on (of small pictures later), if the pilot
     /// finds that it pays
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "auto")]
     pub(crate) guide: Guiding,

@@ -10,15 +10,16 @@ use super::share::{self, HeldOut, SHARES};
 use super::space::{CLASSES, Cell, Guide, Node};
 
 /// A cell is divided if it has more vertices.
-const MOST: usize = 1500;
+const MOST: usize = 1000;
 /// A cell with fewer does not guide.
 const FEWEST: usize = 64;
 
 /// A vertex and the weight of its light: one over the picture's radiance where its path begins.
 pub(crate) type Weighted<'a> = (&'a Vertex, f32);
 
-/// Builds a map on the threads of the pool that is installed.
-pub(crate) fn build(vertices: &[Weighted]) -> Guide {
+/// Builds a map on the threads of the pool that is installed; `learns`: whether to find out where and how much it is good
+/// for.
+pub(crate) fn build(vertices: &[Weighted], learns: bool) -> Guide {
     let mut guide = Guide { moment: 1.0, ..Guide::default() };
     let mut cells: Vec<Vec<u32>> = Vec::new();
     for class in 0..CLASSES {
@@ -32,7 +33,7 @@ pub(crate) fn build(vertices: &[Weighted]) -> Guide {
             divide(&mut guide.nodes, at, vertices, of_class, &mut cells);
         }
     }
-    let make = |_: &mut (), n: usize| fill(vertices, &cells[n]);
+    let make = |_: &mut (), n: usize| fill(vertices, &cells[n], learns);
     let filled: Vec<Filled> = threads::map_with(true, cells.len(), || (), make);
     let mut sums = [0.0_f64; 2];
     for Filled { trees, root, share, moments } in filled {
@@ -93,39 +94,45 @@ struct Filled {
     moments: [f64; 2],
 }
 
-fn fill(vertices: &[Weighted], numbers: &[u32]) -> Filled {
-    let all = || numbers.iter().map(|&i| &vertices[i as usize]);
-    let samples = all().filter_map(|(vertex, _)| {
-        let light = vertex.light / vertex.throughput;
-        (light > 0.0 && light.is_finite()).then(|| Sample::new(vertex.dir, light, vertex.pdf))
-    });
-    let mut samples: Vec<Sample> = samples.collect();
+/// Builds a cell; the share of its tree is one half unless it is to be learned.
+fn fill(vertices: &[Weighted], numbers: &[u32], learns: bool) -> Filled {
+    let of_cell = || numbers.iter().map(|&i| &vertices[i as usize]);
+    let build = |of: &dyn Fn(usize) -> bool| {
+        let mut trees = Trees::default();
+        let lit = of_cell().enumerate().filter(|&(i, _)| of(i)).filter_map(|(_, (vertex, _))| {
+            let light = vertex.light / vertex.throughput;
+            light.is_finite().then(|| Sample::new(vertex.dir, light))
+        });
+        let root = trees.build(&mut lit.collect::<Vec<_>>());
+        (trees, root)
+    };
+    if numbers.len() < FEWEST {
+        let (trees, moments) = (Trees::default(), share::moments(of_cell().map(|one| held_out(one, None))));
+        return Filled { trees, root: None, share: 0.0, moments: [moments[0]; 2] };
+    }
+    let (trees, root) = build(&|_| true);
+    if !learns || root.is_none() {
+        return Filled { trees, root, share: if root.is_some() { 0.5 } else { 0.0 }, moments: [0.0; 2] };
+    }
     let mut moments = [0.0; SHARES.len()];
     // Each half tells how good a tree of the other half is.
     for half in 0..2 {
-        let is_of = |i: usize| i % 2 == half;
-        let mut trees = Trees::default();
-        let others = all().enumerate().filter(|&(i, _)| !is_of(i));
-        let mut others: Vec<Sample> = others
-            .filter_map(|(_, (vertex, _))| {
-                let light = vertex.light / vertex.throughput;
-                (light > 0.0 && light.is_finite()).then(|| Sample::new(vertex.dir, light, vertex.pdf))
-            })
-            .collect();
-        let root = trees.build(&mut others);
-        let held_out = all().enumerate().filter(|&(i, _)| is_of(i)).map(|(_, &(vertex, weight))| HeldOut {
-            pdf: vertex.pdf,
-            of_lobes: vertex.pdf_of_lobes,
-            of_tree: root.map_or(0.0, |root| trees.pdf(root, vertex.dir)),
-            guidable: if root.is_some() { vertex.guidable } else { 0.0 },
-            square: (vertex.light * weight).powi(2),
-        });
-        let of_half = share::moments(held_out);
-        moments.iter_mut().zip(of_half).for_each(|(sum, moment)| *sum += moment);
+        let (trees, root) = build(&|i| i % 2 != half);
+        let of_half = of_cell().enumerate().filter(|&(i, _)| i % 2 == half);
+        let of_half = of_half.map(|(_, one)| held_out(one, root.map(|root| trees.pdf(root, one.0.dir))));
+        moments.iter_mut().zip(share::moments(of_half)).for_each(|(sum, moment)| *sum += moment);
     }
-    let mut trees = Trees::default();
-    let enough = numbers.len() >= FEWEST;
-    let root = if enough { trees.build(&mut samples) } else { None };
-    let best = if root.is_some() { share::best(&moments) } else { 0 };
+    let best = share::best(&moments);
     Filled { trees, root, share: SHARES[best], moments: [moments[0], moments[best]] }
+}
+
+/// What a vertex tells of a tree that has this density in its direction, or of none.
+fn held_out(&(vertex, weight): &Weighted, of_tree: Option<f32>) -> HeldOut {
+    HeldOut {
+        pdf: vertex.pdf,
+        of_lobes: vertex.pdf_of_lobes,
+        of_tree: of_tree.unwrap_or(0.0),
+        guidable: if of_tree.is_some() { vertex.guidable } else { 0.0 },
+        square: (vertex.light * weight).powi(2),
+    }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Directional quadtrees over the square of the octahedron: built from samples, drawn from, evaluated.
 //! Source: [MGN17], section 3.2. Differs: a leaf is divided while it has samples enough, so that few samples make a coarse
-//! tree; its weight is the root of the second moment [RHHW20].
+//! tree.
 //! Invariant: the density integrates to 1 over the sphere. Tests: `tests::{density_*, samples_*}`.
 
 use glam::{Vec2, Vec3};
@@ -12,7 +12,7 @@ use super::octahedron::{direction_of, square_of, stretch};
 const DEEPEST: u32 = 7;
 /// A part is divided if it has this share of the light of all, and this many samples.
 const SHARE: f64 = 0.01;
-const FEWEST: usize = 12;
+const FEWEST: usize = 30;
 
 /// No node: a part that is not divided.
 const NONE: u32 = u32::MAX;
@@ -31,14 +31,12 @@ pub(super) struct Sample {
     square: Vec2,
     /// Estimate of the light: radiance times scattering, over the density of the direction.
     light: f32,
-    /// Its square times the density over the square: an estimate of the second moment.
-    second: f32,
 }
 
 impl Sample {
-    /// Light that came from a unit direction chosen with density `pdf` per solid angle.
-    pub(super) fn new(dir: Vec3, light: f32, pdf: f32) -> Self {
-        Self { square: square_of(dir), light, second: light * light * pdf * stretch(dir) }
+    /// Light that came from a unit direction, over the density of that.
+    pub(super) fn new(dir: Vec3, light: f32) -> Self {
+        Self { square: square_of(dir), light }
     }
 }
 
@@ -88,8 +86,7 @@ impl Trees {
         let light: f64 = samples.iter().map(|sample| f64::from(sample.light)).sum();
         let is_divided = depth == 0 || (depth < DEEPEST && samples.len() >= FEWEST && light > SHARE * all);
         if !is_divided {
-            let second: f64 = samples.iter().map(|sample| f64::from(sample.second)).sum();
-            return ((second * 0.25_f64.powi(depth as i32)).sqrt() as f32, NONE);
+            return (light as f32, NONE);
         }
         let at = self.nodes.len();
         self.nodes.push(Node { shares: [0.25; 4], children: [NONE; 4] });

@@ -42,10 +42,10 @@ impl<'a, R: Real> Mixture<'a, R> {
         Self { guide, roots, share: guidable * zero.load(&shares, 0), guidable }
     }
 
-    /// The density of a unit direction that lobes choose with density `of_lobes`.
+    /// The density of a unit direction that lobes choose with density `of_lobes`, at points in the mask; `of_lobes` at others.
     #[inline(always)]
-    pub(crate) fn pdf(&self, wi: Vector<R>, of_lobes: R) -> R {
-        let is = self.share.above_all(0.0);
+    pub(crate) fn pdf(&self, requests: R::Mask, wi: Vector<R>, of_lobes: R) -> R {
+        let is = self.share.above_all(0.0) & requests;
         if !R::any(is) {
             return of_lobes;
         }
@@ -89,7 +89,7 @@ impl<'a, R: Real> Mixture<'a, R> {
         }
         // Where lobes chose a delta, the guide could not have.
         let mixed = is & !chosen.delta;
-        let pdf = R::pick(mixed, self.pdf(chosen.wi, R::pick(mixed, of_lobes, zero)), chosen.pdf);
+        let pdf = R::pick(mixed, self.pdf(mixed, chosen.wi, R::pick(mixed, of_lobes, zero)), chosen.pdf);
         let weight = Vector::pick(mixed, value.over(pdf), chosen.weight);
         let weight = Vector::pick(is & chosen.delta, weight.over(self.share.rest()), weight);
         chosen.found = chosen.found & (pdf.above(zero) | chosen.delta) & weight.is_finite();

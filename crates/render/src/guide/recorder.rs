@@ -29,13 +29,27 @@ pub(crate) struct Vertex {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Recorder {
     pub(crate) vertices: Vec<Vertex>,
+    most: usize,
 }
 
 impl Recorder {
-    /// Adds a vertex; returns the trail that it ends.
+    /// Collects no more than `most`.
+    pub(crate) fn new(most: usize) -> Self {
+        Self { vertices: Vec::new(), most }
+    }
+
+    /// Adds a vertex; returns the trail that it ends: that before if there is no room.
     pub(crate) fn scatter(&mut self, vertex: Vertex) -> u32 {
+        if self.vertices.len() >= self.most {
+            return vertex.before;
+        }
         self.vertices.push(vertex);
         self.vertices.len() as u32
+    }
+
+    /// Drops vertices that no light came to: they teach nothing. Trails end.
+    pub(crate) fn drop_dark(&mut self) {
+        self.vertices.retain(|vertex| vertex.light > 0.0 && vertex.light.is_finite());
     }
 
     /// Notes light at the eye at the end of a trail.

@@ -37,7 +37,7 @@ pub(super) fn moments(samples: impl Iterator<Item = HeldOut>) -> [f64; SHARES.le
 pub(super) fn best(moments: &[f64; SHARES.len()]) -> usize {
     let mut best = 0;
     for k in 1..SHARES.len() {
-        let bar = if best == 0 { 0.95 * moments[0] } else { moments[best] };
+        let bar = if best == 0 { 0.9 * moments[0] } else { moments[best] };
         if moments[k] < bar {
             best = k;
         }

@@ -395,13 +395,13 @@ fn take_light_sample<W: Width>(
     let boundary = met.boundary(first, W::R::LANES);
     let light = width.lights((lights, group), [requests, translucent], [at.p, at.ns], [choice, x, y]);
     let (value, mut pdf) = prepared.eval_pdf(light.dir);
+    let lit = requests & light.found & !value.is_zero() & !light.radiance.is_zero();
     if let Some(mixture) = mixture {
         pdf = zero.outline(
             #[inline(always)]
-            || mixture.pdf(light.dir, pdf),
+            || mixture.pdf(lit, light.dir, pdf),
         );
     }
-    let lit = requests & light.found & !value.is_zero() & !light.radiance.is_zero();
     let weight = if met.backdrop.is_some() { one } else { power_heuristic(light.pdf, pdf) };
     let mut weight = W::R::pick(light.delta, one, weight);
     let (mut lit, mut blockers) = (lit, [0; LANES]);

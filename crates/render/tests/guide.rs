@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Guided paths: the mean is that of paths without a guide and of closed forms, the bytes are the same however a picture is
+//! divided, and `auto` leaves pictures alone that it would not help.
+
+use crate::common::*;
+use gnurt_image::Picture;
+use gnurt_render::{
+    Accumulation, Guiding, Integrator, Piece, RenderOptions, SceneCamera, Silent, World, render,
+};
+use gnurt_scene::material::Color;
+use gnurt_scene::{Material, MaterialId, Scene, Surface};
+use gnurt_simd::Level;
+
+fn path(width: u32, height: u32, spp: u32, guiding: Guiding) -> RenderOptions {
+    RenderOptions { integrator: Integrator::Path, max_depth: 8, guiding, ..options(width, height, spp) }
+}
+
+fn bits(picture: &Picture) -> Vec<[u32; 4]> {
+    picture.color.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// A closed cube from -1 to 1 whose sides look inward.
+fn cube(scene: &mut Scene, material: MaterialId) {
+    let (a, b) = (-1.0_f32, 2.0_f32);
+    for [corner, s, t] in [
+        [[a, a, a], [b, 0.0, 0.0], [0.0, b, 0.0]],
+        [[a, a, 1.0], [0.0, b, 0.0], [b, 0.0, 0.0]],
+        [[a, a, a], [0.0, b, 0.0], [0.0, 0.0, b]],
+        [[1.0, a, a], [0.0, 0.0, b], [0.0, b, 0.0]],
+        [[a, a, a], [0.0, 0.0, b], [b, 0.0, 0.0]],
+        [[a, 1.0, a], [b, 0.0, 0.0], [0.0, 0.0, b]],
+    ] {
+        put_mesh(scene, quad(corner, s, t, material));
+    }
+}
+
+/// A closed room whose lamp is above a ceiling of smooth glass, so that light samples never find it. On the floor a ball of
+/// polished metal and one of rough metal.
+fn room_below_glass() -> (World, SceneCamera) {
+    let mut scene = Scene::new();
+    let grey = matte(&mut scene, [0.7, 0.6, 0.5]);
+    let [x, y, z] = [[6.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0]];
+    let back = |v: [f32; 3]| v.map(|k| -k);
+    for (corner, a, b) in [
+        ([-3.0, -2.0, 0.0], x, y),
+        ([-3.0, -2.0, 3.0], y, x),
+        ([-3.0, -2.0, 0.0], y, z),
+        ([3.0, -2.0, 0.0], z, y),
+        ([-3.0, 2.0, 0.0], x, z),
+        ([3.0, -2.0, 0.0], back(x), z),
+    ] {
+        put_mesh(&mut scene, quad(corner, a, b, grey));
+    }
+    let lamp = emitter(&mut scene, [40.0, 36.0, 30.0]);
+    put_mesh(&mut scene, quad([-0.3, -0.3, 2.95], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], lamp));
+    let glass = scene.add_material(Material::of("", Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [1.0; 3],
+        transmittance: [1.0; 3],
+        interior: Default::default(),
+    }));
+    put_mesh(&mut scene, quad([-3.0, -2.0, 2.9], y, x, glass));
+    let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
+    let coat = Surface::MetallicRoughness {
+        base_color: Color::constant([0.8, 0.3, 0.2]),
+        metallic: 0.5,
+        roughness: 0.6,
+        metallic_roughness_texture: None,
+        ior: 1.5,
+        normal_texture: None,
+    };
+    for (y, surface) in [(-0.7, mirror), (0.7, coat)] {
+        let material = scene.add_material(Material::of("", surface));
+        put_mesh(&mut scene, sphere([-1.5, y, 0.5], 0.5, 12, material));
+    }
+    (world_of(&scene, false), camera([-2.9, -1.6, 1.6], [-1.0, 0.4, 0.7], 70.0))
+}
+
+fn picture_of((world, view): &(World, SceneCamera), options: &RenderOptions, threads: usize) -> Picture {
+    render(world, view, options, &pool(threads), &Silent).expect("sound options").picture
+}
+
+/// The mean of the picture, its standard error, and the mean of the variance of pixels, over pictures of many seeds.
+fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: u64) -> [f64; 3] {
+    let pictures: Vec<Picture> = (0..seeds)
+        .map(|seed| picture_of(of, &RenderOptions { seed: 100 + seed, ..options.clone() }, 2))
+        .collect();
+    let n = seeds as f64;
+    let means: Vec<f64> = pictures.iter().map(|picture| mean(picture)[1]).collect();
+    let all = means.iter().sum::<f64>() / n;
+    let error = means.iter().map(|mean| (mean - all).powi(2)).sum::<f64>() / (n - 1.0) / n;
+    let count = pictures[0].pixel_count();
+    let variance = (0..count).map(|i| {
+        let values = pictures.iter().map(|picture| f64::from(picture.color[i][1]));
+        let sum: f64 = values.clone().sum();
+        (values.map(|value| value * value).sum::<f64>() - sum * sum / n) / (n - 1.0)
+    });
+    [all, error.sqrt(), variance.sum::<f64>() / count as f64]
+}
+
+#[test]
+fn the_mean_stays_and_the_noise_falls() {
+    let room = room_below_glass();
+    let [off, off_error, off_variance] = statistics(&room, &path(64, 48, 64, Guiding::Off), 8);
+    let [on, on_error, on_variance] = statistics(&room, &path(64, 48, 64, Guiding::On), 8);
+    let error = off_error.hypot(on_error);
+    assert!(error < 0.02 * off, "enough samples to tell: {off} within {error}");
+    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+    assert!(on_variance < 0.7 * off_variance, "variance {on_variance}, without a guide {off_variance}");
+}
+
+#[test]
+fn furnaces_stay_furnaces() {
+    let mut scene = floor(1.0, 3.0);
+    let white = matte(&mut scene, [1.0; 3]);
+    put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 24, white));
+    put_mesh(&mut scene, quad([1.5, -2.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0], white));
+    scene.add_light(environment([1.0; 3]));
+    let view = camera([-6.0, -4.0, 3.0], [0.0, 0.0, 0.8], 40.0);
+    let world = world_of(&scene, true);
+    let options = RenderOptions { max_depth: 1000, ..path(24, 24, 64, Guiding::On) };
+    let frame = render(&world, &view, &options, &pool(2), &Silent).expect("sound options");
+    assert_close(mean(&frame.picture)[0], 1.0, 3e-3, "all light is scattered on");
+    let guide = frame.stats.guide.expect("it was asked for");
+    assert!(guide.is_on && guide.cells > 0, "something was learned: {guide}");
+}
+
+#[test]
+fn a_shining_box_is_a_geometric_series() {
+    let (radiance, rho) = (2.0, 0.7_f64);
+    let mut scene = Scene::new();
+    let material = scene
+        .add_material(Material { emission: [radiance as f32; 3], ..Material::matte("", [rho as f32; 3]) });
+    cube(&mut scene, material);
+    let view = camera([0.1, 0.2, 0.3], [1.0, 0.4, -0.2], 20.0);
+    let world = world_of(&scene, true);
+    for edges in [2, 5] {
+        let options = RenderOptions { max_depth: edges, ..path(16, 16, 64, Guiding::On) };
+        let found = mean(&render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture)[0];
+        let expected = radiance * (1.0 - rho.powi(edges as i32)) / (1.0 - rho);
+        assert_close(found, expected, 5e-3, &format!("{edges} edges"));
+    }
+}
+
+#[test]
+fn mirrors_keep_their_bits() {
+    let mut scene = Scene::new();
+    let mirror = scene.add_material(Material::of("", Surface::Mirror { reflectance: Color::constant([0.9; 3]) }));
+    put_mesh(&mut scene, quad([-4.0, -4.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], mirror));
+    put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 12, mirror));
+    scene.add_light(environment([0.3, 0.6, 1.0]));
+    let of = (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0));
+    let [off, on] = [Guiding::Off, Guiding::On].map(|guiding| picture_of(&of, &path(20, 20, 4, guiding), 2));
+    assert!(bits(&off) == bits(&on), "mirrors have nothing to guide");
+}
+
+/// Threads, levels, pieces, rows, crops, passes and checkpoints.
+#[test]
+fn divided_pictures_have_the_same_bytes() {
+    let room = room_below_glass();
+    let (world, view) = &room;
+    for guiding in [Guiding::On, Guiding::Auto] {
+        let from = path(70, 45, 1, guiding).guided_from().expect("it is asked for");
+        let options = path(70, 45, from + 3, guiding);
+        let whole = picture_of(&room, &options, 1);
+        let off = picture_of(&room, &path(70, 45, from + 3, Guiding::Off), 2);
+        assert!(bits(&whole) != bits(&off), "the guide is on");
+        assert!(bits(&whole) == bits(&picture_of(&room, &options, 3)), "three threads");
+        for level in Level::available() {
+            let other = picture_of(&room, &RenderOptions { level, ..options.clone() }, 2);
+            assert!(bits(&whole) == bits(&other), "at {level}");
+        }
+        let mut joined = bits(&off);
+        for index in 0..3 {
+            let piece = Some(Piece { index, count: 3 });
+            let part = picture_of(&room, &RenderOptions { piece, ..options.clone() }, 2);
+            for (joined, part) in joined.iter_mut().zip(bits(&part)) {
+                if f32::from_bits(part[3]) > 0.0 {
+                    *joined = part;
+                }
+            }
+        }
+        assert!(bits(&whole) == joined, "three pieces");
+        let rows = picture_of(&room, &RenderOptions { rows: Some([32, 45]), ..options.clone() }, 2);
+        assert!(bits(&whole)[32 * 70..] == bits(&rows)[..], "the last rows");
+        let crop = picture_of(&room, &RenderOptions { crop: Some([20, 10, 50, 30]), ..options.clone() }, 2);
+        for y in 10..30 {
+            let row = y * 70 + 20..y * 70 + 50;
+            assert!(bits(&whole)[row.clone()] == bits(&crop)[row], "row {y} of a crop");
+        }
+        let mut first = Accumulation::new(options.clone()).expect("sound");
+        first.pass(world, view, from.max(3) - 2, &pool(2), &Silent);
+        let bytes = first.to_bytes(7);
+        let mut resumed = Accumulation::from_bytes(options.clone(), 7, &bytes).expect("it was just written");
+        while !resumed.is_complete() {
+            resumed.pass(world, view, 1, &pool(2), &Silent);
+        }
+        assert!(bits(&whole) == bits(&resumed.picture()), "broken off and gone on, sample by sample");
+    }
+}
+
+#[test]
+fn auto_begins_late_and_only_where_it_pays() {
+    let room = room_below_glass();
+    let from = path(70, 45, 1, Guiding::Auto).guided_from().expect("it is asked for");
+    let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(70, 45, from, guiding));
+    let frame = render(&room.0, &room.1, &auto, &pool(2), &Silent).expect("sound");
+    assert!(frame.stats.guide.is_none(), "no pilot for few samples");
+    assert!(bits(&frame.picture) == bits(&picture_of(&room, &off, 2)), "and the same bits");
+
+    // A floor under a sky: light samples find all of its light.
+    let mut scene = floor(0.5, 5.0);
+    scene.add_light(environment([0.2, 0.3, 0.5]));
+    let open = (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0));
+    let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(70, 45, from + 1, guiding));
+    let frame = render(&open.0, &open.1, &auto, &pool(2), &Silent).expect("sound");
+    let guide = frame.stats.guide.expect("there was a pilot");
+    assert!(!guide.is_on, "it does not pay: {guide}");
+    assert!(bits(&frame.picture) == bits(&picture_of(&open, &off, 2)), "the bits of unguided paths");
+    let frame = render(&room.0, &room.1, &auto, &pool(2), &Silent);
+    let guide = frame.expect("sound").stats.guide.expect("there was a pilot");
+    assert!(guide.is_on && guide.moment < 0.7, "it pays: {guide}");
+}
+
+/// Paths of a thousand edges in a white box would store tens of millions of vertices.
+#[test]
+fn the_budget_holds() {
+    let mut scene = Scene::new();
+    let shining = scene.add_material(Material { emission: [0.1; 3], ..Material::matte("", [0.999; 3]) });
+    cube(&mut scene, shining);
+    let of = (world_of(&scene, true), camera([0.1, 0.2, 0.3], [1.0, 0.4, -0.2], 60.0));
+    let options = RenderOptions { max_depth: 200, ..path(150, 120, 1, Guiding::On) };
+    let frame = render(&of.0, &of.1, &options, &pool(2), &Silent).expect("sound");
+    let guide = frame.stats.guide.expect("it was asked for");
+    assert!(guide.vertices > 1 << 20, "more than a few: {guide}");
+    assert!(guide.vertices <= 1 << 21 && guide.bytes <= 20 << 20, "no more than are allowed: {guide}");
+}
