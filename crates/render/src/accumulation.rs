@@ -107,6 +107,8 @@ pub struct Accumulation {
     common: Arc<Common>,
     /// The guide, once samples need it.
     trained: Option<Arc<Trained>>,
+    /// When the whole rendering has to end.
+    pub(crate) limit: Option<Instant>,
 }
 
 impl Accumulation {
@@ -125,6 +127,7 @@ impl Accumulation {
             kinds: Vec::new(),
             common: Arc::default(),
             trained: None,
+            limit: None,
         })
     }
 
@@ -212,14 +215,24 @@ impl Accumulation {
         whole
     }
 
-    /// Learns a guide, unless there is one.
-    fn train(&mut self, world: &World, camera: &dyn CameraShader, pool: &rayon::ThreadPool) {
+    /// Learns a guide, unless that is done. Returns false if it was told to stop.
+    fn train(
+        &mut self,
+        world: &World,
+        camera: &dyn CameraShader,
+        watch: &dyn Watch,
+        pool: &rayon::ThreadPool,
+    ) -> bool {
         if self.trained.is_none() {
-            let trained = guide_training::train(world, camera, &self.options, pool);
+            let until = (watch, self.limit);
+            let Some(trained) = guide_training::train(world, camera, &self.options, until, pool) else {
+                return false;
+            };
             self.stats.add(&trained.cost);
             self.stats.guide = Some(trained.stats);
             self.trained = Some(Arc::new(trained));
         }
+        true
     }
 
     /// Updates the statistics after a pass.
@@ -259,13 +272,16 @@ impl Accumulation {
         let is_of_pass = world.needs_times() && (has_virtual_lights || world.lights_move());
         let world = opened.as_ref().unwrap_or(world);
         let guided_from = options.guided_from().filter(|&from| from < last && pixels > 0);
-        if guided_from.is_some() {
-            self.train(world, camera, pool);
+        if guided_from.is_some() && !self.train(world, camera, &watched, pool) {
+            self.note_pass(begin, pool);
+            progress.passed(self);
+            return false;
         }
         let trained = self.trained.clone();
         let guide = trained.as_ref().and_then(|trained| trained.guide.as_ref()).zip(guided_from);
         let all_samples = pixels * u64::from(self.options.spp);
-        let pass_setup = PassSetup { camera, options: &options, watch: &watched, deadline, all_samples, guide };
+        let pass_setup =
+            PassSetup { camera, options: &options, watch: &watched, deadline, all_samples, guide };
         let mut shared = pass_setup.job(world, self.stats.samples);
         shared.common = self.common.clone();
         // Virtual lights are one sample's.

@@ -17,7 +17,7 @@ use crate::guide::{self, Guide, Recorder};
 use crate::job::Job;
 use crate::mattes::Mattes;
 use crate::options::{Guiding, Pilot, RenderOptions};
-use crate::progress::Unwatched;
+use crate::progress::Watch;
 use crate::sampler::Sampler;
 use crate::stats::{GuideStats, RenderStats};
 use crate::tracer::BatchTracer;
@@ -45,18 +45,19 @@ pub(crate) struct Trained {
     pub(crate) cost: RenderStats,
 }
 
-/// Renders the pilot and learns from it.
+/// Renders the pilot and learns from it; `None` if it was told to stop.
 pub(crate) fn train(
     world: &World,
     camera: &dyn CameraShader,
     options: &RenderOptions,
+    (watch, deadline): (&dyn Watch, Option<Instant>),
     pool: &rayon::ThreadPool,
-) -> Trained {
+) -> Option<Trained> {
     let begin = Instant::now();
     let options = pilot_options(options);
-    let mut job = Job::new(world, camera, &options, &Unwatched);
-    job.light_paths = None;
-    let Ok(region) = options.region() else { return Trained::default() };
+    let mut job = Job::new(world, camera, &options, watch);
+    job.deadline = deadline;
+    let region = [0, 0, options.width, options.height];
     let rects: Vec<[u32; 4]> = rects(region).collect();
     let most = MOST_VERTICES / rects.len().max(1);
     let mut tiles: Vec<Tile> = rects.into_iter().map(|rect| Tile::new(rect, most)).collect();
@@ -69,6 +70,9 @@ pub(crate) fn train(
             let render = |_: &mut (), n: usize| tiles.lock(n)[0].render(&job, &guide, taken);
             threads::map_with(true, tiles.count(), || (), render)
         });
+        if job.should_stop() {
+            return None;
+        }
         of_tiles.iter().for_each(|stats| cost.add(stats));
         tiles.iter_mut().for_each(|tile| tile.recorder.drop_dark());
         vertices = tiles.iter().map(|tile| tile.recorder.vertices.len()).sum();
@@ -91,7 +95,7 @@ pub(crate) fn train(
     };
     // Its rays were traced; its samples are not in the picture.
     let cost = RenderStats { samples: 0, bad_samples: 0, ..cost };
-    Trained { guide: is_on.then_some(guide), stats, cost }
+    Some(Trained { guide: is_on.then_some(guide), stats, cost })
 }
 
 /// Options of the whole picture, smaller, and of nothing but light.
@@ -143,7 +147,7 @@ impl Tile {
         tracer.wavefront.recorder = Some(std::mem::take(&mut self.recorder));
         tracer.guide_from = Some((guide, 0));
         let sampler = Sampler { job, pass: None };
-        while self.film.samples < last {
+        while self.film.samples < last && !job.should_stop() {
             sampler.render_samples(&mut self.film, &mut tracer, last);
         }
         self.recorder = tracer.wavefront.recorder.take().unwrap_or_default();

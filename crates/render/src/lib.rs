@@ -68,7 +68,9 @@ pub use many_lights::PersistentLights;
 pub use mattes::{MatteKind, Mattes, matte_id, matte_names};
 pub use motion::{MotionCost, PictureHistory};
 pub use moving_camera::MovingCamera;
-pub use options::{Guiding, Integrator, ReconstructionFilter, RenderOptions, UnknownIntegrator};
+pub use options::{
+    Guiding, Integrator, ReconstructionFilter, RenderOptions, UnknownGuiding, UnknownIntegrator,
+};
 pub use packing::{empty_picture, pack_piece, rendered_rects, unpack_piece};
 pub use piece::{BAND_UNIT, Piece};
 pub use pixel_trace::{PixelTrace, trace_pixel};

@@ -118,6 +118,20 @@ impl Guiding {
     }
 }
 
+impl FromStr for Guiding {
+    type Err = UnknownGuiding;
+
+    fn from_str(name: &str) -> Result<Self, UnknownGuiding> {
+        let found = Self::ALL.into_iter().find(|guiding| guiding.name() == name);
+        found.ok_or_else(|| UnknownGuiding(name.to_owned()))
+    }
+}
+
+/// A name that is none of [`Guiding::ALL`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown choice '{0}': expected {names}", names = Guiding::ALL.map(Guiding::name).join(", "))]
+pub struct UnknownGuiding(pub String);
+
 impl fmt::Display for Guiding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
@@ -356,8 +370,13 @@ mod tests {
     #[test]
     fn pilots_are_small() {
         let with = |width, height| {
-            let options =
-                RenderOptions { integrator: Integrator::Path, guiding: Guiding::Auto, width, height, ..Default::default() };
+            let options = RenderOptions {
+                integrator: Integrator::Path,
+                guiding: Guiding::Auto,
+                width,
+                height,
+                ..Default::default()
+            };
             let Pilot { width, height, samples } = options.pilot();
             ([width, height, samples], options.guided_from())
         };

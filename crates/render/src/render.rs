@@ -42,6 +42,7 @@ pub fn render_on(
     let start = Instant::now();
     // A limit beyond the end of time is none.
     let deadline = accumulation.options().time_limit.and_then(|limit| start.checked_add(limit));
+    accumulation.limit = deadline;
     let mut saved = start;
     while !accumulation.is_complete() {
         let save_at = every.and_then(|every| saved.checked_add(every));

@@ -53,12 +53,15 @@ fn room_below_glass() -> (World, SceneCamera) {
     }
     let lamp = emitter(&mut scene, [40.0, 36.0, 30.0]);
     put_mesh(&mut scene, quad([-0.3, -0.3, 2.95], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], lamp));
-    let glass = scene.add_material(Material::of("", Surface::Dielectric {
-        ior: 1.5,
-        reflectance: [1.0; 3],
-        transmittance: [1.0; 3],
-        interior: Default::default(),
-    }));
+    let glass = scene.add_material(Material::of(
+        "",
+        Surface::Dielectric {
+            ior: 1.5,
+            reflectance: [1.0; 3],
+            transmittance: [1.0; 3],
+            interior: Default::default(),
+        },
+    ));
     put_mesh(&mut scene, quad([-3.0, -2.0, 2.9], y, x, glass));
     let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
     let coat = Surface::MetallicRoughness {
@@ -101,8 +104,8 @@ fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: u64) ->
 #[test]
 fn the_mean_stays_and_the_noise_falls() {
     let room = room_below_glass();
-    let [off, off_error, off_variance] = statistics(&room, &path(64, 48, 64, Guiding::Off), 8);
-    let [on, on_error, on_variance] = statistics(&room, &path(64, 48, 64, Guiding::On), 8);
+    let [off, off_error, off_variance] = statistics(&room, &path(48, 36, 32, Guiding::Off), 8);
+    let [on, on_error, on_variance] = statistics(&room, &path(48, 36, 32, Guiding::On), 8);
     let error = off_error.hypot(on_error);
     assert!(error < 0.02 * off, "enough samples to tell: {off} within {error}");
     assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
@@ -145,7 +148,8 @@ fn a_shining_box_is_a_geometric_series() {
 #[test]
 fn mirrors_keep_their_bits() {
     let mut scene = Scene::new();
-    let mirror = scene.add_material(Material::of("", Surface::Mirror { reflectance: Color::constant([0.9; 3]) }));
+    let mirror =
+        scene.add_material(Material::of("", Surface::Mirror { reflectance: Color::constant([0.9; 3]) }));
     put_mesh(&mut scene, quad([-4.0, -4.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], mirror));
     put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 12, mirror));
     scene.add_light(environment([0.3, 0.6, 1.0]));
@@ -159,51 +163,66 @@ fn mirrors_keep_their_bits() {
 fn divided_pictures_have_the_same_bytes() {
     let room = room_below_glass();
     let (world, view) = &room;
-    for guiding in [Guiding::On, Guiding::Auto] {
-        let from = path(70, 45, 1, guiding).guided_from().expect("it is asked for");
-        let options = path(70, 45, from + 3, guiding);
-        let whole = picture_of(&room, &options, 1);
-        let off = picture_of(&room, &path(70, 45, from + 3, Guiding::Off), 2);
-        assert!(bits(&whole) != bits(&off), "the guide is on");
-        assert!(bits(&whole) == bits(&picture_of(&room, &options, 3)), "three threads");
-        for level in Level::available() {
-            let other = picture_of(&room, &RenderOptions { level, ..options.clone() }, 2);
-            assert!(bits(&whole) == bits(&other), "at {level}");
-        }
-        let mut joined = bits(&off);
-        for index in 0..3 {
-            let piece = Some(Piece { index, count: 3 });
-            let part = picture_of(&room, &RenderOptions { piece, ..options.clone() }, 2);
-            for (joined, part) in joined.iter_mut().zip(bits(&part)) {
-                if f32::from_bits(part[3]) > 0.0 {
-                    *joined = part;
-                }
+    let options = path(24, 36, 3, Guiding::On);
+    let whole = picture_of(&room, &options, 1);
+    let off = picture_of(&room, &path(24, 36, 3, Guiding::Off), 2);
+    assert!(bits(&whole) != bits(&off), "the guide is on");
+    assert!(bits(&whole) == bits(&picture_of(&room, &options, 3)), "three threads");
+    for level in Level::available() {
+        let other = picture_of(&room, &RenderOptions { level, ..options.clone() }, 2);
+        assert!(bits(&whole) == bits(&other), "at {level}");
+    }
+    let mut joined = bits(&off);
+    for index in 0..3 {
+        let piece = Some(Piece { index, count: 3 });
+        let part = picture_of(&room, &RenderOptions { piece, ..options.clone() }, 2);
+        for (joined, part) in joined.iter_mut().zip(bits(&part)) {
+            if f32::from_bits(part[3]) > 0.0 {
+                *joined = part;
             }
         }
-        assert!(bits(&whole) == joined, "three pieces");
-        let rows = picture_of(&room, &RenderOptions { rows: Some([32, 45]), ..options.clone() }, 2);
-        assert!(bits(&whole)[32 * 70..] == bits(&rows)[..], "the last rows");
-        let crop = picture_of(&room, &RenderOptions { crop: Some([20, 10, 50, 30]), ..options.clone() }, 2);
-        for y in 10..30 {
-            let row = y * 70 + 20..y * 70 + 50;
-            assert!(bits(&whole)[row.clone()] == bits(&crop)[row], "row {y} of a crop");
-        }
-        let mut first = Accumulation::new(options.clone()).expect("sound");
-        first.pass(world, view, from.max(3) - 2, &pool(2), &Silent);
-        let bytes = first.to_bytes(7);
-        let mut resumed = Accumulation::from_bytes(options.clone(), 7, &bytes).expect("it was just written");
-        while !resumed.is_complete() {
-            resumed.pass(world, view, 1, &pool(2), &Silent);
-        }
-        assert!(bits(&whole) == bits(&resumed.picture()), "broken off and gone on, sample by sample");
     }
+    assert!(bits(&whole) == joined, "three pieces");
+    let rows = picture_of(&room, &RenderOptions { rows: Some([32, 36]), ..options.clone() }, 2);
+    assert!(bits(&whole)[32 * 24..] == bits(&rows)[..], "the last rows");
+    let crop = picture_of(&room, &RenderOptions { crop: Some([5, 10, 20, 30]), ..options.clone() }, 2);
+    for y in 10..30 {
+        let row = y * 24 + 5..y * 24 + 20;
+        assert!(bits(&whole)[row.clone()] == bits(&crop)[row], "row {y} of a crop");
+    }
+    let mut first = Accumulation::new(options.clone()).expect("sound");
+    first.pass(world, view, 1, &pool(2), &Silent);
+    let bytes = first.to_bytes(7);
+    let mut resumed = Accumulation::from_bytes(options, 7, &bytes).expect("it was just written");
+    while !resumed.is_complete() {
+        resumed.pass(world, view, 1, &pool(2), &Silent);
+    }
+    assert!(bits(&whole) == bits(&resumed.picture()), "broken off and gone on");
+}
+
+/// Where `auto` begins does not depend on passes.
+#[test]
+fn auto_has_the_same_bytes_pass_by_pass() {
+    let room = room_below_glass();
+    let from = path(70, 45, 1, Guiding::Auto).guided_from().expect("it is asked for");
+    let options = path(70, 45, from + 2, Guiding::Auto);
+    let frame = render(&room.0, &room.1, &options, &pool(2), &Silent).expect("sound");
+    let guide = frame.stats.guide.expect("there was a pilot");
+    assert!(guide.is_on && guide.moment < 0.7, "it pays: {guide}");
+    let off = picture_of(&room, &RenderOptions { guiding: Guiding::Off, ..options.clone() }, 2);
+    assert!(bits(&frame.picture) != bits(&off), "the guide is on");
+    let mut passes = Accumulation::new(options).expect("sound");
+    for samples in [from - 1, 2, 1] {
+        passes.pass(&room.0, &room.1, samples, &pool(3), &Silent);
+    }
+    assert!(passes.is_complete() && bits(&frame.picture) == bits(&passes.picture()), "in three passes");
 }
 
 #[test]
 fn auto_begins_late_and_only_where_it_pays() {
     let room = room_below_glass();
-    let from = path(70, 45, 1, Guiding::Auto).guided_from().expect("it is asked for");
-    let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(70, 45, from, guiding));
+    let from = path(24, 18, 1, Guiding::Auto).guided_from().expect("it is asked for");
+    let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(24, 18, from, guiding));
     let frame = render(&room.0, &room.1, &auto, &pool(2), &Silent).expect("sound");
     assert!(frame.stats.guide.is_none(), "no pilot for few samples");
     assert!(bits(&frame.picture) == bits(&picture_of(&room, &off, 2)), "and the same bits");
@@ -212,14 +231,11 @@ fn auto_begins_late_and_only_where_it_pays() {
     let mut scene = floor(0.5, 5.0);
     scene.add_light(environment([0.2, 0.3, 0.5]));
     let open = (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0));
-    let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(70, 45, from + 1, guiding));
+    let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(24, 18, from + 1, guiding));
     let frame = render(&open.0, &open.1, &auto, &pool(2), &Silent).expect("sound");
     let guide = frame.stats.guide.expect("there was a pilot");
     assert!(!guide.is_on, "it does not pay: {guide}");
     assert!(bits(&frame.picture) == bits(&picture_of(&open, &off, 2)), "the bits of unguided paths");
-    let frame = render(&room.0, &room.1, &auto, &pool(2), &Silent);
-    let guide = frame.expect("sound").stats.guide.expect("there was a pilot");
-    assert!(guide.is_on && guide.moment < 0.7, "it pays: {guide}");
 }
 
 /// Paths of a thousand edges in a white box would store tens of millions of vertices.

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use gnurt::ThreadPool;
 use gnurt::display_rules::is_noisy;
+use gnurt::render::Guiding;
 use gnurt::simd::Level;
 use gnurt_view::{Exposure, Listener, WindowOptions, run_window};
 
@@ -28,7 +29,11 @@ pub(super) fn show_window(
 ) -> Outcome {
     signals::listen(FirstSignal::Leaves, messages)?;
     let (stage, chosen) = prepare(&source, arguments, level, &pool, messages)?;
-    let render = frame_options(&arguments.frame, level);
+    let mut render = frame_options(&arguments.frame, level);
+    if render.guiding == Guiding::Auto {
+        // A pilot for each view would make it wait.
+        render.guiding = Guiding::Off;
+    }
     let (show_view, note) = show_view(arguments.light, &stage, &chosen, &render, &pool)?;
     let options = WindowOptions {
         camera: chosen.camera,

@@ -56,19 +56,16 @@ fn divide(
     cells: &mut Vec<Vec<u32>>,
 ) {
     let p = |i: u32| vertices[i as usize].0.p;
-    let (low, high) = numbers.iter().fold((p(numbers[0]), p(numbers[0])), |(low, high), &i| {
-        (low.min(p(i)), high.max(p(i)))
-    });
+    let (low, high) = numbers
+        .iter()
+        .fold((p(numbers[0]), p(numbers[0])), |(low, high), &i| (low.min(p(i)), high.max(p(i))));
     let sides = high - low;
     let axis = if sides.x >= sides.y && sides.x >= sides.z { 0 } else { 1 + usize::from(sides.z > sides.y) };
     if numbers.len() > MOST && sides[axis] > 0.0 {
         let middle = numbers.len() / 2;
-        numbers.select_nth_unstable_by(middle, |&a, &b| {
-            p(a)[axis].total_cmp(&p(b)[axis]).then(a.cmp(&b))
-        });
+        numbers.select_nth_unstable_by(middle, |&a, &b| p(a)[axis].total_cmp(&p(b)[axis]).then(a.cmp(&b)));
         let plane = p(numbers[middle])[axis];
-        let (mut below, mut above): (Vec<u32>, Vec<u32>) =
-            numbers.iter().partition(|&&i| p(i)[axis] < plane);
+        let (mut below, mut above): (Vec<u32>, Vec<u32>) = numbers.iter().partition(|&&i| p(i)[axis] < plane);
         if !below.is_empty() && !above.is_empty() {
             below.sort_unstable();
             above.sort_unstable();

@@ -3,10 +3,10 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
+use gnurt_shading::SampleKey;
 use gnurt_shading::bsdf::{Bsdf, Lobe, Prepared};
 use gnurt_shading::real::Vector;
 use gnurt_shading::sampling::{Draws, hash_combine, uniform_sphere};
-use gnurt_shading::SampleKey;
 
 use super::directions::{Sample, Trees};
 use super::mixture::Mixture;
@@ -153,7 +153,10 @@ fn mixtures_have_their_density() {
         let [x, y, choice] = numbers(hash_combine(k, 5));
         let (chosen, of_lobes) = mixture.sample(&prepared, [choice, x, y]);
         let dir = Vec3::from(chosen.wi);
-        assert!((chosen.pdf - mixture.pdf(true, chosen.wi, of_lobes)).abs() <= 1e-4 * chosen.pdf, "the density of {dir}");
+        assert!(
+            (chosen.pdf - mixture.pdf(true, chosen.wi, of_lobes)).abs() <= 1e-4 * chosen.pdf,
+            "the density of {dir}"
+        );
         if chosen.found {
             values += f64::from(Vec3::from(chosen.weight).x);
         }

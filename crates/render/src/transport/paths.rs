@@ -425,7 +425,9 @@ impl Unshadowed {
     }
 
     fn resize(&mut self, n: usize) {
-        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, is_delta, inside, trail, .. } = self;
+        let Self {
+            request: RayRequest { rays, parent, .. }, radiance, edges, is_delta, inside, trail, ..
+        } = self;
         [parent, edges, trail].into_iter().for_each(|array| array.resize(n, 0));
         is_delta.resize(n, false);
         inside.resize(n, Inside::default());
