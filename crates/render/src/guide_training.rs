@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The pilot that teaches a guide: a few samples of the whole picture at a reduced size, under another seed, in rounds of
 //! which each is guided by those before.
-//! Source: [MGN17] (rounds that double), [MMRGN19] (all rounds teach). The pilot is discarded: samples of the picture do not depend
+//! Source: [MGN17] (rounds that double), [VHH*19] (all rounds teach). The pilot is discarded: samples of the picture do not depend
 //! on each other.
 //! Invariant: the guide depends on world, camera and options, neither on threads, crops, pieces nor numbers of samples.
-//! Memory: at most [`MOST_VERTICES`] vertices, and what they make of the map.
+//! Memory: at most [`MOST_VERTICES`] vertices, and the map that follows from them.
 //! Tests: crates/render/tests/guide.rs.
 
 use std::time::Instant;
@@ -41,7 +41,7 @@ const ENOUGH: usize = 10_000;
 pub(crate) struct Trained {
     pub(crate) guide: Option<Guide>,
     pub(crate) stats: GuideStats,
-    /// What the pilot traced.
+    /// The rays of the pilot.
     pub(crate) cost: RenderStats,
 }
 

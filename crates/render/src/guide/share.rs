@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The share of directions that a cell's tree chooses, learned from samples that the tree was not built from.
-//! Source: [MMRGN19], section 10.5.2 learns it by gradients; here a few shares are compared by their second moments, which
+//! Source: [VHH*19], chapter 10 learns it by gradients; here a few shares are compared by their second moments, which
 //! needs no order of samples. Tests: crates/render/tests/guide.rs.
 
 /// The shares that are compared: the first is none. Lobes keep some, since trees may be dark where light is.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//! Maps of the sphere, densities, mixtures, trails and shares.
 
 use std::f32::consts::{PI, TAU};
 

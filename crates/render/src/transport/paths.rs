@@ -41,7 +41,7 @@ pub(crate) struct Path {
     pub(crate) inside: Inside,
     /// Whether only smooth surfaces have scattered it.
     pub(crate) is_seen: bool,
-    /// What a recorder knows it by, and the factor by which roulette spares it: meant if paths are guided.
+    /// The trail that a recorder keeps of it, and the factor by which roulette spares it: meant if paths are guided.
     pub(crate) trail: u32,
     pub(crate) spared: f32,
 }
@@ -80,7 +80,7 @@ pub(crate) struct Paths {
     /// The bodies that each ray is in; empty if no body has a medium that paths fly through.
     inside: Vec<Inside>,
     has_bodies: bool,
-    /// What a recorder knows each by, and the density of its directions over that of lobes; empty if none is guided.
+    /// The trail of each, and the density of its directions over that of lobes; empty if none is guided.
     pub(crate) trail: Vec<u32>,
     pub(crate) spared: Vec<f32>,
     is_guided: bool,
@@ -398,7 +398,7 @@ pub(crate) struct Unshadowed {
     is_delta: Vec<bool>,
     /// The bodies that each ray begins in.
     inside: Vec<Inside>,
-    /// What a recorder knows their paths by.
+    /// The trails of their paths.
     trail: Vec<u32>,
     count: usize,
 }
@@ -499,7 +499,7 @@ impl Unshadowed {
         (!media.is_empty()).then_some(Through { media, inside, edges })
     }
 
-    /// What a recorder knows the path of light `k` by.
+    /// The trail of the path of light `k`.
     pub(crate) fn trail_of(&self, k: usize) -> u32 {
         self.trail[k]
     }

@@ -539,7 +539,7 @@ fn go_on<R: Real>(
         throughput = throughput * zero.load(met.shares, first);
     }
     let mut alive = there & chosen.found;
-    // Guided paths carry less where more of them go: roulette is to see what they would carry without.
+    // Guided paths carry less where more of them go. Roulette decides by the load that they would have without a guide.
     let mut spared = one;
     if mixture.is_some() {
         let of_paths = zero.each(
