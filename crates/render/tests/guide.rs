@@ -37,6 +37,11 @@ fn cube(scene: &mut Scene, material: MaterialId) {
 /// A closed room whose lamp is above a ceiling of smooth glass, so that light samples never find it. On the floor a ball of
 /// polished metal and one of rough metal.
 fn room_below_glass() -> (World, SceneCamera) {
+    room(0.0)
+}
+
+/// The same with a panel on a wall that light samples find.
+fn room(panel: f32) -> (World, SceneCamera) {
     let mut scene = Scene::new();
     let grey = matte(&mut scene, [0.7, 0.6, 0.5]);
     let [x, y, z] = [[6.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0]];
@@ -53,6 +58,10 @@ fn room_below_glass() -> (World, SceneCamera) {
     }
     let lamp = emitter(&mut scene, [40.0, 36.0, 30.0]);
     put_mesh(&mut scene, quad([-0.3, -0.3, 2.95], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], lamp));
+    if panel > 0.0 {
+        let panel = emitter(&mut scene, [panel; 3]);
+        put_mesh(&mut scene, quad([-2.9, 1.9, 0.05], [5.8, 0.0, 0.0], [0.0, 0.0, 2.8], panel));
+    }
     let glass = scene.add_material(Material::of(
         "",
         Surface::Dielectric {
@@ -110,6 +119,18 @@ fn the_mean_stays_and_the_noise_falls() {
     assert!(error < 0.02 * off, "enough samples to tell: {off} within {error}");
     assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
     assert!(on_variance < 0.7 * off_variance, "variance {on_variance}, without a guide {off_variance}");
+}
+
+/// A light sample and a guided ray find the same lamp: both are weighed by the density of the mixture.
+#[test]
+fn lamps_that_light_samples_find_count_once() {
+    let room = room(2.0);
+    let with = |guiding| RenderOptions { max_depth: 3, ..path(48, 36, 32, guiding) };
+    let [off, off_error, _] = statistics(&room, &with(Guiding::Off), 6);
+    let [on, on_error, _] = statistics(&room, &with(Guiding::On), 6);
+    let error = off_error.hypot(on_error);
+    assert!(error < 0.002 * off, "enough samples to tell: {off} within {error}");
+    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
 }
 
 #[test]
