@@ -31,7 +31,7 @@ const TILE: u32 = 32;
 /// Vertices that are stored: 120 MB. Directional trees have a node for 30 of them in each of 7 levels at most: 16 MB.
 const MOST_VERTICES: usize = 1 << 21;
 /// `auto` guides if the second moment of light falls to this share.
-const PAYS: f32 = 0.75;
+const PAYS: f32 = 0.7;
 /// The pilot is given up if a quarter of it tells of more by so many vertices.
 const HOPELESS: f32 = 0.9;
 const ENOUGH: usize = 10_000;

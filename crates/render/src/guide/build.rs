@@ -14,6 +14,9 @@ const MOST: usize = 1000;
 /// A cell with fewer does not guide.
 const FEWEST: usize = 64;
 
+/// No cell has more than this share of the sum that judges the map: one stray bright path is no verdict.
+const LOUDEST: f64 = 0.02;
+
 /// A vertex and the weight of its light: one over the picture's radiance where its path begins.
 pub(crate) type Weighted<'a> = (&'a Vertex, f32);
 
@@ -35,11 +38,15 @@ pub(crate) fn build(vertices: &[Weighted], learns: bool) -> Guide {
     }
     let make = |_: &mut (), n: usize| fill(vertices, &cells[n], learns);
     let filled: Vec<Filled> = threads::map_with(true, cells.len(), || (), make);
+    let all: f64 = filled.iter().map(|cell| cell.moments[0]).sum();
     let mut sums = [0.0_f64; 2];
     for Filled { trees, root, share, moments } in filled {
         let offset = guide.trees.append(trees);
         guide.cells.push(Cell { root: root.map_or(u32::MAX, |root| root + offset), share });
-        sums = [sums[0] + moments[0], sums[1] + moments[1]];
+        if moments[0] > 0.0 {
+            let weight = moments[0].min(LOUDEST * all);
+            sums = [sums[0] + weight, sums[1] + weight * (moments[1] / moments[0])];
+        }
     }
     if sums[0] > 0.0 {
         guide.moment = (sums[1] / sums[0]) as f32;
