@@ -132,7 +132,7 @@ class Viewport:
     def next(self, scene, seconds=None):
         """The next picture; None when it is finished, or not there within these seconds."""
         settings = scene.gnurt
-        options = {"integrator": settings.integrator, "guide": "off", "max_depth": settings.max_depth, "threads": settings.threads, **self.view.options()}
+        options = {"integrator": settings.integrator, "max_depth": settings.max_depth, "threads": settings.threads, **self.view.options()}
         if self.is_coarse:
             self.is_coarse = False
             self.engine.tag_redraw()

@@ -223,7 +223,7 @@ pub(crate) struct BenchLightArguments {
     #[arg(long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
     pub(crate) vpls: u32,
     /// path: guide paths to where a pilot rendering found light: on, off or auto; reference pictures are not guided
-    #[arg(long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "auto")]
+    #[arg(long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "off")]
     pub(crate) guide: Guiding,
     /// Limit of the geometry term of virtual lights, 1/area
     #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]

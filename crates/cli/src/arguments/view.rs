@@ -88,7 +88,7 @@ pub(crate) struct FrameArguments {
     pub(crate) clamp: Option<f32>,
     /// path: guide paths to where a pilot rendering found light: on, off, or auto = samples from the 17th on (of small pictures later), if the pilot
     /// finds that it pays
-    #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "auto")]
+    #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "off")]
     pub(crate) guide: Guiding,
     /// ir, bir, mir: interleaved sampling in patterns of NxN pixels: N^2 times fewer rays, slightly blurred; 1, 3, 5 or 7;
     /// 1 = each pixel uses all virtual lights
