@@ -47,7 +47,7 @@ use gnurt_scene::io::{Error, Format, Loaded};
 pub const FORMAT: Format = Format {
     name: "pbrt-v4",
     extensions: &["pbrt", "pbrt.gz"],
-    notes: "surfaces, textures as shaders, lights, cameras, even media and uniform grids; curves and hair; no measured materials",
+    notes: "surfaces, textures as shaders, lights, cameras, even media, uniform grids and those of files; curves and hair; no measured materials",
     read: Some(load),
     read_whole: false,
     says_up: true,
