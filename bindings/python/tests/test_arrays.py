@@ -108,7 +108,7 @@ def test_polygons_are_divided():
     from gnurt._gnurt import _divide_polygons
 
     # A triangle, a square, and a quad that folds at its first diagonal.
-    vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.2, 0.2, 0]], np.float32)
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.7, 0.7, 0]], np.float32)
     corners = np.array([0, 1, 2, 0, 1, 2, 3, 1, 4, 3, 2], np.int32)
     loops, faces, polygons = _divide_polygons(vertices, corners, np.array([3, 4, 4], np.int32))
     assert (corners[loops] == faces).all()
