@@ -14,6 +14,7 @@ mod ffi_arrays;
 mod frames;
 mod geometries;
 mod given;
+mod hashes;
 mod hits;
 mod lights;
 mod materials;
@@ -46,7 +47,7 @@ fn _gnurt(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(program::program, module)?)?;
     module.add_function(wrap_pyfunction!(media::_read_volume, module)?)?;
     module.add_function(wrap_pyfunction!(polygons::_divide_polygons, module)?)?;
-    module.add_function(wrap_pyfunction!(polygons::_hash_array, module)?)?;
+    module.add_function(wrap_pyfunction!(hashes::_hash_array, module)?)?;
     module.add_class::<hits::Hits>()?;
     module.add_class::<hits::AllHits>()?;
     module.add_class::<picture::Picture>()?;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Polygons as triangles, and hashes of arrays, for programs whose scenes come as numpy arrays: Blender's.
-//! Tests: `tests/test_arrays.py`.
+//! Quads as triangles by Blender's rule, so that both engines show the same ones. Files' polygons are cut by
+//! `gnurt::scene::io::reader::Cutter`, whose concave ones have other triangles. Tests: `tests/test_arrays.py`.
 
 use pyo3::buffer::Element;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyTuple};
-use twox_hash::XxHash3_128;
+use pyo3::types::PyTuple;
 
 use crate::arrays::{New, of_type};
 use crate::ffi_arrays::Rows;
@@ -72,14 +71,6 @@ fn folds([a, b, c, d]: [[f32; 3]; 4]) -> bool {
     let across = way(a, c);
     let (first, second) = (cross(way(a, b), across), cross(across, way(a, d)));
     first[0] * second[0] + first[1] * second[1] + first[2] * second[2] < 0.0
-}
-
-/// A hash of an array's numbers, 16 bytes: XXH3. Not meant against forgery.
-#[pyfunction]
-pub(crate) fn _hash_array<'py>(py: Python<'py>, array: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
-    let bytes =
-        Rows::<u8>::new(array)?.ok_or_else(|| PyTypeError::new_err("array: expected bytes without gaps"))?;
-    Ok(PyBytes::new(py, &XxHash3_128::oneshot(bytes.all()).to_le_bytes()))
 }
 
 /// The argument `name`: an array without gaps of a type and a width.

@@ -11,7 +11,7 @@ use crate::defaults::bounds_of;
 use crate::error::Error;
 use crate::image::{Grid, Volume};
 use crate::scene::medium::{DensityGrid, Extent, Medium, Phase};
-use crate::scene::volume_cells::{Heat, MOST_VOLUME_BYTES, VolumeCells, density_grid};
+use crate::scene::volume_cells::{Heat, MOST_VOLUME_BYTES, VolumeCells, density_grid, grid_named};
 use crate::scene::{MediumId, Scene};
 use gnurt_sl_shading::ColorSystem;
 
@@ -237,10 +237,7 @@ impl VolumeFile {
     pub fn cells(&self) -> Result<DensityGrid, Error> {
         let volume = Volume::read(&self.path, MOST_VOLUME_BYTES)?;
         let fault = |what: String| self.fault(&what);
-        let find = |name: &str| {
-            let names: Vec<&str> = volume.grids().iter().map(Grid::name).collect();
-            volume.grid(name).ok_or_else(|| fault(format!("no grid '{name}'; it has {}", names.join(", "))))
-        };
+        let find = |name: &str| grid_named(&volume, name).map_err(fault);
         let grid = match &self.grid {
             Some(name) => find(name)?,
             None => volume
@@ -250,11 +247,11 @@ impl VolumeFile {
         };
         let glow = self.glow.as_deref().map(find).transpose()?;
         let Some((name, kelvin)) = &self.heat else {
-            return density_grid(grid, glow, None).map_err(fault);
+            return density_grid(grid, glow, None, None).map_err(fault);
         };
         let emission = black_bodies(*kelvin).ok_or_else(|| fault("no colours of black bodies".into()))?;
         let heat = Heat { grid: find(name)?, emission: &emission };
-        density_grid(grid, glow, Some(&heat)).map_err(fault)
+        density_grid(grid, glow, Some(&heat), None).map_err(fault)
     }
 }
 

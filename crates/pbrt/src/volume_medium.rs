@@ -2,12 +2,11 @@
 //! Media of the type `nanovdb`: densities and temperatures from a file.
 //! Source: the section Media of the file-format page. Files of OpenVDB are read as well. Tests: tests/volumes.rs.
 
-use gnurt_image::{Grid, Volume};
 use gnurt_scene::Affine;
 use gnurt_scene::io::Error;
 use gnurt_scene::io::reader::{Access, quoted, resolve};
 use gnurt_scene::medium::DensityGrid;
-use gnurt_scene::volume_cells::{Heat, MOST_VOLUME_BYTES, cell_count, density_grid};
+use gnurt_scene::volume_cells::{Heat, MOST_VOLUME_BYTES, decode_volume, density_grid, grid_named};
 
 use crate::parameter::Parameters;
 use crate::spectrum::radiance_of_black_body;
@@ -34,25 +33,17 @@ pub(crate) fn grid(
     let bad = |why: String| {
         location.error(format!("the volume {}: {why}", quoted(name)), "name a file of NanoVDB or OpenVDB")
     };
-    // Sparse grids grow as compressed pictures do.
-    access.budget.add_picture(bytes.len() as u64);
-    let volume = Volume::decode(&bytes, MOST_VOLUME_BYTES).map_err(|error| bad(error.to_string()))?;
+    let volume = decode_volume(&bytes, &access.budget).map_err(bad)?;
     drop(bytes);
     access.budget.settle(before);
-    let density = volume.grid("density").ok_or_else(|| {
-        let names: Vec<&str> = volume.grids().iter().map(Grid::name).collect();
-        bad(format!("it has no grid 'density', but {}", names.join(", ")))
-    })?;
+    let density = grid_named(&volume, "density").map_err(bad)?;
     let temperature = volume.grid("temperature").filter(|_| brightness > 0.0);
-    let cell_bytes = if temperature.is_some() { 16 } else { 4 };
-    let cells = cell_count(density).map_err(bad)?;
-    access.budget.hold(cells * cell_bytes).map_err(|e| location.excess(e))?;
     let emission = |number: f32| {
         let kelvin = (number - offset) * scale;
         if kelvin > COLD { radiance_of_black_body(kelvin).map(|c| c * brightness) } else { [0.0; 3] }
     };
     let heat = temperature.map(|grid| Heat { grid, emission: &emission });
-    let mut made = density_grid(density, None, heat.as_ref()).map_err(bad)?;
+    let mut made = density_grid(density, None, heat.as_ref(), Some(&access.budget)).map_err(bad)?;
     made.world_from_unit = *file_from_medium * made.world_from_unit;
     Ok(made)
 }

@@ -61,7 +61,7 @@ fn numbers_of_a_second_grid_shine() {
     let (density, other) = (volume.grid("density").expect("a grid"), volume.grid("ball").expect("another"));
     let emission = |number: f32| [number, 2.0 * number, number * number];
     let heat = Heat { grid: other, emission: &emission };
-    let made = density_grid(density, None, Some(&heat)).expect("cells");
+    let made = density_grid(density, None, Some(&heat), None).expect("cells");
     assert_eq!(made.emission.len(), made.density.len());
     let [first, _] = density.active().expect("voxels");
     let world_from_index = density.index_from_world().inverse();

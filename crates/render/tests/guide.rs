@@ -135,15 +135,7 @@ fn lamps_that_light_samples_find_count_once() {
 
 #[test]
 fn furnaces_stay_furnaces() {
-    let mut scene = floor(1.0, 3.0);
-    let white = matte(&mut scene, [1.0; 3]);
-    put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 24, white));
-    put_mesh(&mut scene, quad([1.5, -2.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0], white));
-    scene.add_light(environment([1.0; 3]));
-    let view = camera([-6.0, -4.0, 3.0], [0.0, 0.0, 0.8], 40.0);
-    let world = world_of(&scene, true);
-    let options = RenderOptions { max_depth: 1000, ..path(24, 24, 64, Guiding::On) };
-    let frame = render(&world, &view, &options, &pool(2), &Silent).expect("sound options");
+    let frame = white_under_white(&RenderOptions { max_depth: 1000, ..path(24, 24, 64, Guiding::On) });
     assert_close(mean(&frame.picture)[0], 1.0, 3e-3, "all light is scattered on");
     let guide = frame.stats.guide.expect("it was asked for");
     assert!(guide.is_on && guide.cells > 0, "something was learned: {guide}");

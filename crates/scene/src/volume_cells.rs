@@ -3,7 +3,7 @@
 //! Space: the file's world. Voxels that are not active hold nothing, and densities below 0 count as 0.
 //! Tests: the command line's `tests/program/volumes.rs`, and those of readers of scenes.
 
-use gnurt_image::{Grid, Volume};
+use gnurt_image::{Budget, Grid, Volume};
 
 use crate::Affine;
 use crate::medium::DensityGrid;
@@ -14,7 +14,6 @@ const MOST_CELLS: u64 = 1 << 29;
 pub const MOST_VOLUME_BYTES: usize = 4 << 30;
 /// Steps of a table of emission.
 const HEATS: usize = 4096;
-const NO_CELL: &str = "its grid has no active cell";
 
 /// The numbers of a grid of a file, in the cells of a box round its active voxels, with a rim of one cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,12 +57,24 @@ impl VolumeCells {
     }
 }
 
-/// How many cells [`density_grid`] makes of a grid.
+/// The grids of a file's bytes. Sparse grids grow as compressed pictures do, which the budget allows for.
 ///
 /// # Errors
-/// That there are none, or too many.
-pub fn cell_count(grid: &Grid) -> Result<usize, String> {
-    Ok(Place::new(grid.active().ok_or(NO_CELL)?)?.cells as usize)
+/// That it is no such file, or that it takes too much memory.
+pub fn decode_volume(bytes: &[u8], budget: &Budget) -> Result<Volume, String> {
+    budget.add_picture(bytes.len() as u64);
+    Volume::decode(bytes, MOST_VOLUME_BYTES).map_err(|error| error.to_string())
+}
+
+/// The first grid of a name.
+///
+/// # Errors
+/// That there is none, with the names that there are.
+pub fn grid_named<'a>(volume: &'a Volume, name: &str) -> Result<&'a Grid, String> {
+    volume.grid(name).ok_or_else(|| {
+        let names: Vec<&str> = volume.grids().iter().map(Grid::name).collect();
+        format!("no grid '{name}'; it has {}", names.join(", "))
+    })
 }
 
 /// A box of voxels: the active ones of a grid, with a rim of one voxel.
@@ -147,11 +158,20 @@ impl Emissions {
 /// A density for each cell of a box around the active ones, with a rim of one cell; emission is that of two grids, multiplied.
 ///
 /// # Errors
-/// That there are no cells, too many, or too little memory for them.
-pub fn density_grid(grid: &Grid, glow: Option<&Grid>, heat: Option<&Heat>) -> Result<DensityGrid, String> {
-    let place = Place::new(grid.active().ok_or(NO_CELL)?)?;
+/// That there are no cells, too many, or too little memory for them by the budget or at all.
+pub fn density_grid(
+    grid: &Grid,
+    glow: Option<&Grid>,
+    heat: Option<&Heat>,
+    budget: Option<&Budget>,
+) -> Result<DensityGrid, String> {
+    let place = Place::new(grid.active().ok_or("its grid has no active cell")?)?;
     let sound = |x: f32| if x.is_finite() { x.max(0.0) } else { 0.0 };
     let has_emission = glow.is_some() || heat.is_some();
+    if let Some(budget) = budget {
+        let bytes = if has_emission { size_of::<[f32; 4]>() } else { size_of::<f32>() };
+        budget.hold(place.cells as usize * bytes).map_err(|excess| excess.to_string())?;
+    }
     let mut density = place.room(1)?;
     let mut emission = if has_emission { place.room(1)? } else { Vec::new() };
     // All grids may have cells of their own.

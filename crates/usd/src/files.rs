@@ -15,7 +15,7 @@ use openusd::ar;
 
 use crate::arrays::Arrays;
 use crate::crate_check::Checked;
-use crate::layer::{Asset, Layer};
+use crate::layer::{Asset, Edit, Layer};
 use crate::package::Package;
 use crate::{crate_arrays, crate_check, mtlx_layer, text_arrays, text_check, text_lists, text_numbers};
 
@@ -40,6 +40,9 @@ pub(crate) struct Files {
     /// Why layers could not be read.
     faults: RefCell<BTreeMap<String, String>>,
 }
+
+/// Memory of an edit that adds a byte.
+const EDIT_BYTES: usize = size_of::<Edit>() + 32;
 
 /// Bytes of a file, or why there are none.
 type Kept = Result<Arc<Vec<u8>>, String>;
@@ -120,14 +123,15 @@ impl Files {
             let edits = checked.map(|checked| crate_arrays::edits(&bytes, &checked, &self.arrays));
             Layer::new(bytes, edits.unwrap_or_default())
         } else {
-            let whole = text_numbers::whole(&bytes).map(|whole| hold(whole.len()).map(|()| Arc::new(whole)));
-            let bytes = whole.transpose()?.unwrap_or(bytes);
             let found = text_check::check(&bytes)?;
             hold(bytes.len().saturating_mul(2))?;
             let plain = text_lists::plain(&bytes).map(|plain| hold(plain.len()).map(|()| Arc::new(plain)));
             let text = plain.transpose()?.unwrap_or(bytes);
             self.varies.set(self.varies.get() || text_arrays::mentions(&text, &found, &VARYING));
-            let edits = text_arrays::edits(&text, &found, &self.arrays, &self.access);
+            let mut edits = text_arrays::edits(&text, &found, &self.arrays, &self.access);
+            let numbers = text_numbers::edits(&text, &edits);
+            hold(numbers.len().saturating_mul(EDIT_BYTES))?;
+            edits.extend(numbers);
             Layer::new(text, edits)
         };
         let layer = Arc::new(layer);

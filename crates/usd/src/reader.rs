@@ -279,6 +279,11 @@ impl Reader {
         value.as_ref().and_then(value::number).filter(|x| x.is_finite())
     }
 
+    /// Metres of the stage's unit: centimetres, where it says nothing.
+    pub(crate) fn metres_per_unit(&self) -> f64 {
+        self.stage_number("metersPerUnit").filter(|&unit| unit > 0.0).unwrap_or(0.01)
+    }
+
     /// That the variants of the command line are there.
     pub(crate) fn check_variants(&self) -> Result<(), Error> {
         for choice in &self.files.access.variants {

@@ -46,8 +46,19 @@ pub(crate) fn check(bytes: &[u8]) -> Result<Vec<TextArray>, String> {
     Ok(arrays)
 }
 
+/// The end of the comment or the text in quotes that begins at a place, if one does.
+pub(crate) fn quiet_end(text: &[u8], at: usize) -> Option<usize> {
+    let rest = &text[at..];
+    let length = match rest.first()? {
+        b'#' => rest.iter().position(|&byte| byte == b'\n'),
+        quote @ (b'"' | b'\'' | b'@') => string_end(rest, *quote),
+        _ => return None,
+    };
+    Some(at + length.unwrap_or(rest.len()))
+}
+
 /// The length of the text in quotes at the beginning.
-pub(crate) fn string_end(bytes: &[u8], quote: u8) -> Option<usize> {
+fn string_end(bytes: &[u8], quote: u8) -> Option<usize> {
     let triple = [quote; 3];
     let (mut at, close) = match bytes.starts_with(&triple) {
         true => (3, &triple[..]),

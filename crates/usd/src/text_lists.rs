@@ -3,7 +3,7 @@
 //! `append`, `prepend` and `add` of a layer count as its list; what it deletes or orders is left out. Words become blanks, so
 //! that lines stay where they are. Tests: `tests/instancing.rs`.
 
-use crate::text_check::string_end;
+use crate::text_check::quiet_end;
 
 const NAME: &[u8] = b"inactiveIds";
 
@@ -15,9 +15,11 @@ pub(crate) fn plain(text: &[u8]) -> Option<Vec<u8>> {
     let mut plain = text.to_vec();
     let (mut at, mut before) = (0, 0..0);
     while at < text.len() {
+        if let Some(end) = quiet_end(text, at) {
+            at = end;
+            continue;
+        }
         match text[at] {
-            b'#' => at += text[at..].iter().position(|&byte| byte == b'\n').unwrap_or(text.len() - at),
-            quote @ (b'"' | b'\'' | b'@') => at += string_end(&text[at..], quote).unwrap_or(text.len() - at),
             byte if byte.is_ascii_alphabetic() => {
                 let length = text[at..].iter().position(|byte| !is_of_word(*byte)).unwrap_or(text.len() - at);
                 let word = at..at + length;

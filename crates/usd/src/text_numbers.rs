@@ -1,75 +1,84 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Numbers of text layers that begin or end with their point (`.5`, `-.5`, `2.`), with the zero that the library expects there.
-//! Source: the text format's grammar, which has them. Tests: `tests`.
+//! Numbers of text layers that begin or end with their point (`.5`, `-.5`, `2.`): edits that add the zero that the library expects
+//! there. Source: the text format's grammar, which has such numbers. Tests: `tests`, and `tests/arrays.rs` with long arrays.
 
-use crate::text_check::string_end;
+use crate::layer::{Edit, Replacement};
+use crate::text_check::quiet_end;
 
-/// The text with whole numbers; `None` = it has no such ones.
-pub(crate) fn whole(text: &[u8]) -> Option<Vec<u8>> {
-    let mut made: Option<Vec<u8>> = None;
-    let (mut at, mut copied) = (0, 0);
+/// Edits of the text outside of the ranges that `others` replace, which ascend. The text is one that `text_check` has looked over.
+pub(crate) fn edits(text: &[u8], others: &[Edit]) -> Vec<Edit> {
+    let mut others = others.iter().map(|edit| &edit.range).peekable();
+    let mut edits = Vec::new();
+    let mut at = 0;
     while at < text.len() {
-        match text[at] {
-            b'#' => at += text[at..].iter().position(|&byte| byte == b'\n').unwrap_or(text.len() - at),
-            quote @ (b'"' | b'\'' | b'@') => at += string_end(&text[at..], quote).unwrap_or(text.len() - at),
-            b'.' => {
-                let begins = matches!(
-                    before(text, at),
-                    None | Some(
-                        b'(' | b'[' | b',' | b'=' | b':' | b'-' | b'+' | b' ' | b'\t' | b'\n' | b'\r'
-                    )
-                );
-                let ends = ends_a_number(text, at);
-                let next_is_digit = text.get(at + 1).is_some_and(u8::is_ascii_digit);
-                let place = if begins && next_is_digit { Some(at) } else { ends.then_some(at + 1) };
-                if let Some(place) = place {
-                    let made = made.get_or_insert_with(|| Vec::with_capacity(text.len() + text.len() / 16));
-                    made.extend_from_slice(&text[copied..place]);
-                    made.push(b'0');
-                    copied = place;
-                }
-                at += 1;
+        if let Some(range) = others.next_if(|range| range.start <= at) {
+            at = range.end.max(at);
+        } else if let Some(end) = quiet_end(text, at) {
+            at = end;
+        } else {
+            if text[at] == b'.'
+                && let Some(place) = lacking_zero(text, at)
+            {
+                edits.push(Edit { range: place..place, by: Replacement::Bytes(vec![b'0']) });
             }
-            _ => at += 1,
+            at += 1;
         }
     }
-    made.map(|mut made| {
-        made.extend_from_slice(&text[copied..]);
-        made
-    })
+    edits
 }
 
-fn before(text: &[u8], at: usize) -> Option<u8> {
-    at.checked_sub(1).map(|i| text[i])
+/// The place of the zero that a number lacks at its point.
+fn lacking_zero(text: &[u8], point: usize) -> Option<usize> {
+    let before = point.checked_sub(1).map(|at| text[at]);
+    let begins = before.is_none_or(|byte| b"([,=:-+ \t\n\r".contains(&byte));
+    if begins && text.get(point + 1).is_some_and(u8::is_ascii_digit) {
+        return Some(point);
+    }
+    ends_a_number(text, point).then_some(point + 1)
 }
 
-/// Whether the point at `at` is the last of a number: behind digits that begin no word, and before none.
-fn ends_a_number(text: &[u8], at: usize) -> bool {
-    let digits = text[..at].iter().rev().take_while(|byte| byte.is_ascii_digit()).count();
+/// Whether a point is the last of a number: behind digits that are part of no word, and before none.
+fn ends_a_number(text: &[u8], point: usize) -> bool {
+    let digits = text[..point].iter().rev().take_while(|byte| byte.is_ascii_digit()).count();
     let is_of_name = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.');
+    let before = (point - digits).checked_sub(1).map(|at| text[at]);
     digits > 0
-        && !before(text, at - digits).is_some_and(is_of_name)
-        && !text.get(at + 1).is_some_and(|&byte| is_of_name(byte) || byte == b':')
+        && !before.is_some_and(is_of_name)
+        && !text.get(point + 1).is_some_and(|&byte| is_of_name(byte) || byte == b':')
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::layer::Layer;
+
+    fn whole(text: &str) -> String {
+        let edits = edits(text.as_bytes(), &[]);
+        String::from_utf8(Layer::new(Arc::new(text.as_bytes().to_vec()), edits).bytes()).expect("text")
+    }
 
     #[test]
     fn points_get_zeros() {
         let text = "a = (.5, -.25, 2., -3.) # .5\n\"x .5 2.\" @./a.2.usd@ b = 1.5 c.d [.5e3] rel = </A.x> inputs:a.connect = 1.e2\n";
         let expected = "a = (0.5, -0.25, 2.0, -3.0) # .5\n\"x .5 2.\" @./a.2.usd@ b = 1.5 c.d [0.5e3] rel = </A.x> inputs:a.connect = 1.e2\n";
-        let found = whole(text.as_bytes()).expect("numbers");
-        assert_eq!(String::from_utf8_lossy(&found), expected);
-        assert_eq!(whole(b"#usda 1.0\nfloat a = 0.5\n"), None);
+        assert_eq!(whole(text), expected);
+        assert_eq!(whole("#usda 1.0\nfloat a = 0.5\n"), "#usda 1.0\nfloat a = 0.5\n");
+    }
+
+    #[test]
+    fn replaced_parts_are_left_alone() {
+        let replaced = Edit { range: 4..12, by: Replacement::Zeros };
+        let places: Vec<usize> =
+            edits(b"a = [.5, .5] .5", &[replaced]).iter().map(|edit| edit.range.start).collect();
+        assert_eq!(places, [13]);
     }
 
     #[test]
     fn the_library_reads_them() {
         let text = "#usda 1.0\ndef \"A\" { double3 a = (.5, -.25, 2.) }\n";
-        let found = whole(text.as_bytes()).expect("numbers");
-        assert!(openusd::usda::parse(std::str::from_utf8(&found).expect("text")).is_ok());
+        assert!(openusd::usda::parse(&whole(text)).is_ok());
         // Once it reads them by itself, this file can go.
         assert!(openusd::usda::parse(text).is_err());
     }

@@ -6,11 +6,11 @@
 
 use std::sync::Arc;
 
-use gnurt_image::{Grid, Volume};
+use gnurt_image::Grid;
 use gnurt_scene::Medium;
 use gnurt_scene::io::Oddity;
 use gnurt_scene::medium::{Extent, Phase};
-use gnurt_scene::volume_cells::{MOST_VOLUME_BYTES, cell_count, density_grid};
+use gnurt_scene::volume_cells::{decode_volume, density_grid, grid_named};
 use openusd::sdf::{Path, Value};
 
 use crate::builder::{Builder, State};
@@ -19,7 +19,7 @@ use crate::reader::Reader;
 use crate::value;
 
 /// Outputs of materials that shade volumes.
-pub(crate) const OUTPUTS: [&str; 2] = ["outputs:volume", "outputs:mtlx:volume"];
+const OUTPUTS: [&str; 2] = ["outputs:volume", "outputs:mtlx:volume"];
 
 impl Builder<'_> {
     /// Adds the smoke of a prim.
@@ -47,7 +47,7 @@ impl Builder<'_> {
                 return;
             }
         };
-        let unit = reader.stage_number("metersPerUnit").filter(|&unit| unit > 0.0).unwrap_or(0.01) as f32;
+        let unit = reader.metres_per_unit() as f32;
         let per_metre = |coefficients: [f32; 3]| coefficients.map(|x| x / unit);
         let (absorption, scattering) = (per_metre(medium.absorption), per_metre(medium.scattering));
         let medium = Medium { absorption, scattering, ..medium };
@@ -103,26 +103,16 @@ fn grid(reader: &Reader, field: &Path) -> Result<gnurt_scene::medium::DensityGri
     let file = reader.file_of(&asset);
     let budget = &reader.files.access.budget;
     let bytes = reader.files.bytes(&file)?;
-    // Sparse grids grow as compressed pictures do.
-    budget.add_picture(bytes.len() as u64);
     let bad = |why: String| format!("{}: {why}", asset.as_str());
-    let volume = Volume::decode(&bytes, MOST_VOLUME_BYTES).map_err(|error| bad(error.to_string()))?;
+    let volume = decode_volume(&bytes, budget).map_err(bad)?;
     let name = reader.word(field, "fieldName").filter(|name| !name.is_empty());
     let number = reader.value(field, "fieldIndex").as_ref().and_then(value::number).unwrap_or(0.0);
-    let grid = match &name {
-        Some(name) => {
-            let of_name = volume.grids().iter().filter(|grid| grid.name() == name);
-            of_name.clone().nth(number as usize).or(of_name.clone().next())
-        }
-        None => volume.grids().get(number as usize),
+    let is_named = |grid: &&Grid| name.as_deref().is_none_or(|name| grid.name() == name);
+    let grid = match volume.grids().iter().filter(is_named).nth(number as usize) {
+        Some(grid) => grid,
+        None => grid_named(&volume, name.as_deref().unwrap_or_default()).map_err(bad)?,
     };
-    let grid = grid.ok_or_else(|| {
-        let names: Vec<&str> = volume.grids().iter().map(Grid::name).collect();
-        bad(format!("no grid '{}'; it has {}", name.unwrap_or_default(), names.join(", ")))
-    })?;
-    let cells = cell_count(grid).map_err(bad)?;
-    budget.hold(cells * size_of::<f32>()).map_err(|excess| bad(excess.to_string()))?;
-    density_grid(grid, None, None).map_err(bad)
+    density_grid(grid, None, None, Some(budget)).map_err(bad)
 }
 
 /// The coefficients that a material gives its volume, per unit of the stage; `None` without a volume shader that is read.

@@ -57,15 +57,13 @@ pub(crate) fn scene(reader: &Reader) -> Result<Scene, Error> {
 
 /// Metres with y up, from the stage's units and its axis.
 pub(crate) fn world_from_stage(reader: &Reader) -> Affine {
-    // Centimetres, where a stage says nothing.
-    let unit = reader.stage_number("metersPerUnit").filter(|&unit| unit > 0.0).unwrap_or(0.01);
     let axis = reader.stage.stage_metadata("upAxis").ok().flatten();
     let is_z = axis.as_ref().and_then(crate::value::word).is_some_and(|axis| axis == "Z");
     let rotation = match is_z {
         true => Affine { columns: [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [0.0; 3]] },
         false => Affine::IDENTITY,
     };
-    rotation * Affine::scale([unit; 3])
+    rotation * Affine::scale([reader.metres_per_unit(); 3])
 }
 
 impl Builder<'_> {

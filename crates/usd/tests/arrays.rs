@@ -112,3 +112,24 @@ fn arrays_that_values_share() {
         assert_eq!(heights.collect::<Vec<_>>(), [1.0, moving], "at {at}");
     }
 }
+
+#[test]
+fn numbers_may_begin_with_their_point() {
+    let points: String = (0..500)
+        .map(|i| format!("(.5, -.25, {i}.), ").replacen(".5", if i == 1 { "7." } else { ".5" }, 1))
+        .collect();
+    // The second one is not written plainly, so the library reads it.
+    let with_comment = points.replacen("), ", "), # .5\n", 1);
+    let text = |points: &str| {
+        format!(
+            "def Mesh \"M\" {{ int[] faceVertexCounts = [3]  int[] faceVertexIndices = [0, 1, 499]\n\
+             uniform token subdivisionScheme = \"none\"\n point3f[] points = [{}] }}",
+            points.trim_end_matches(", ")
+        )
+    };
+    for points in [&points, &with_comment] {
+        let loaded = crate::support::load(&text(points));
+        let corner = loaded.scene.meshes()[0].positions.last().copied().expect("a vertex");
+        assert_eq!(corner, [0.5, -0.25, 499.0]);
+    }
+}

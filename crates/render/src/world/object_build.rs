@@ -48,9 +48,12 @@ pub(super) fn update(
     let needed = |&&id: &&u32| objects[id as usize].users > 0;
     let ids: Vec<u32> = dirty.iter().filter(needed).copied().collect();
     // The kinds of all are known before the first is built, because these identify the crowds.
-    let shown = pool.install(|| {
-        threads::map(ids.len() > 1, ids.len(), |n| Shown::new(scene, &shaders.displacements, ids[n]))
-    });
+    let show = |n: usize| Shown::new(scene, &shaders.displacements, ids[n]);
+    let shown: Vec<Shown> = match scene.0.displacements().next() {
+        // Edits of small scenes do not wait for the pool.
+        None => (0..ids.len()).map(show).collect(),
+        Some(_) => pool.install(|| threads::map(ids.len() > 1, ids.len(), show)),
+    };
     let mut warnings = Vec::new();
     let found: Vec<Found> = ids
         .iter()

@@ -103,6 +103,19 @@ pub fn frame(scene: &Scene, camera: &SceneCamera, options: &RenderOptions) -> Fr
     render(&world_of(scene, false), camera, options, &pool(2), &Silent).expect("the options are sound")
 }
 
+/// White things under a white sky: a furnace, whose picture is white if all light is scattered on.
+pub fn white_under_white(options: &RenderOptions) -> Frame {
+    let mut scene = floor(1.0, 3.0);
+    let white = matte(&mut scene, [1.0; 3]);
+    put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 24, white));
+    put_mesh(&mut scene, quad([1.5, -2.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0], white));
+    scene.add_light(environment([1.0; 3]));
+    let view = camera([-6.0, -4.0, 3.0], [0.0, 0.0, 0.8], 40.0);
+    // Face normals: interpolated ones are no closed system, their facets neither keep nor lose light exactly.
+    let world = world_of(&scene, true);
+    render(&world, &view, options, &pool(2), &Silent).expect("the options are sound")
+}
+
 /// Mean colour of a picture.
 pub fn mean(picture: &Picture) -> [f64; 3] {
     let mut sum = [0.0; 3];
