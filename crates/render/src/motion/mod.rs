@@ -8,6 +8,7 @@
 
 mod before;
 mod choose;
+mod frame;
 mod picture;
 mod smooth;
 mod surface_key;

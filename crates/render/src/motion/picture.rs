@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture of a camera in motion, and the state for the next one.
 //! Source: see `motion/mod.rs`. Space: world.
-//! Fresh samples go through the pixels' centres, as the first surfaces do, with their own random numbers in
-//! each frame. A sample far brighter than all known light is clamped, because a short-lived picture has no
-//! time to average fireflies.
 //! Invariant: a function of the previous pictures and their options, on any number of threads. Tests:
 //! crates/render/tests/motion.rs.
 
@@ -11,30 +8,22 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
-use gnurt_accel::Coherence;
 use gnurt_accel::threads::{self, Pieces};
 use gnurt_image::srgb::luminance;
-use gnurt_scene::RayMask;
 use gnurt_shading::CameraShader;
-use gnurt_shading::sampling::hash_combine;
 
 use super::before::Before;
-use super::choose::{need, rank_of, scale};
+use super::choose::scale;
+use super::frame::Frame;
 use super::smooth::{Given, Smooth, Strength, is_shiny};
 use super::surface_key::{Light, SurfaceKey, Tint};
-use super::surface_sample::{ROWS, sample_surfaces};
-use crate::film::{self, TileFilm};
-use crate::integrators;
+use crate::film::TileFilm;
 use crate::job::Job;
-use crate::many_lights::{PassLights, PersistentLights, alike};
+use crate::many_lights::{PersistentLights, alike};
 use crate::options::{Integrator, RenderOptions};
-use crate::sampler::Sampler;
 use crate::stats::RenderStats;
-use crate::tracer::BatchTracer;
 use crate::world::{World, WorldMark};
 
-/// The largest number of remembered samples of a pixel.
-const MOST: f32 = 64.0;
 /// Fraction of them that is kept per frame while the world changes, and the number of frames of this after a
 /// change.
 const CHANGING: f32 = 0.7;
@@ -45,8 +34,6 @@ const DIM: f32 = 0.25;
 const NEW_NOISE: f32 = 0.2;
 /// Fresh samples of a first picture, relative to later ones.
 const FIRST: f32 = 4.0;
-/// Fresh samples that go together.
-const TOGETHER: usize = 1024;
 
 /// State that pictures of a camera in motion leave to the next one: light on visible surfaces, and virtual
 /// lights; see [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
@@ -251,172 +238,4 @@ fn noise_of(
         }
     }
     sums.map(|[sum, count]| (sum / f64::max(count, 1.0)) as f32)
-}
-
-/// A picture in the making, row by row.
-struct Frame {
-    size: [u32; 2],
-    surface_keys: Vec<SurfaceKey>,
-    lights: Vec<Light>,
-}
-
-impl Frame {
-    /// In this memory.
-    fn new(size: [u32; 2], mut surface_keys: Vec<SurfaceKey>, mut lights: Vec<Light>) -> Self {
-        let pixels = size[0] as usize * size[1] as usize;
-        surface_keys.resize(pixels, SurfaceKey::default());
-        lights.resize(pixels, Light::default());
-        Self { size, surface_keys, lights }
-    }
-
-    /// Finds the surfaces of all pixels, and their remembered light; returns the number of pixels with each
-    /// of the needs 1, 2 and 4.
-    fn sample_surfaces(
-        &mut self,
-        job: &Job,
-        before: Option<&Before>,
-        tints: &mut Vec<Tint>,
-        fading: f32,
-        stats: &mut RenderStats,
-    ) -> [u64; 3] {
-        let [width, height] = self.size;
-        tints.resize(self.surface_keys.len(), Tint::default());
-        let band = (width * ROWS) as usize;
-        let surface_keys = Pieces::new(&mut self.surface_keys, band);
-        let (lights, tints) = (Pieces::new(&mut self.lights, band), Pieces::new(tints, band));
-        let sampler = Sampler { job, pass: None };
-        let see = |tracer: &mut BatchTracer, n: usize| {
-            let (mut surface_keys, mut lights, mut tints) =
-                (surface_keys.lock(n), lights.lock(n), tints.lock(n));
-            let top = n as u32 * ROWS;
-            let mut counts = [0; 3];
-            sample_surfaces(job, tracer, [top, (top + ROWS).min(height)], &mut |x, y, surface_key| {
-                let i = ((y - top) * width + x) as usize;
-                let mut light = before.map_or_else(Light::default, |before| before.recall(surface_key, MOST));
-                light.count *= fading;
-                (surface_keys[i], tints[i], lights[i]) = (surface_key.surface_key, surface_key.tint, light);
-                match need(&surface_key.surface_key, &light) {
-                    need if need >= 4.0 => counts[2] += 1,
-                    need if need >= 2.0 => counts[1] += 1,
-                    need if need > 0.0 => counts[0] += 1,
-                    _ => {}
-                }
-            });
-            (counts, tracer.take_stats())
-        };
-        let found: Vec<([u64; 3], RenderStats)> =
-            threads::map_with(true, surface_keys.count(), || sampler.tracer(), see);
-        found.iter().fold([0; 3], |sum, (counts, of_band)| {
-            stats.add(of_band);
-            [0, 1, 2].map(|k| sum[k] + counts[k])
-        })
-    }
-
-    /// The pixels that get a fresh sample, neighbours together.
-    fn choose(&self, scale: f32, frame: u32) -> Vec<[u32; 2]> {
-        let [width, height] = self.size;
-        let of_band = |n: usize| {
-            let top = n as u32 * ROWS;
-            let mut chosen = Vec::new();
-            for [x0, y0, x1, y1] in film::blocks([0, top, width, (top + ROWS).min(height)]) {
-                for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
-                    let i = (y * width + x) as usize;
-                    if rank_of(x, y, frame) < scale * need(&self.surface_keys[i], &self.lights[i]) {
-                        chosen.push([x, y]);
-                    }
-                }
-            }
-            chosen
-        };
-        threads::map(true, height.div_ceil(ROWS) as usize, of_band).concat()
-    }
-
-    /// Adds a fresh sample to some pixels; returns their brightness, or `None` if stopped. A sample counts at
-    /// most `most` times the known light there, or that of the mean pixel.
-    fn sample(
-        &mut self,
-        job: &Job,
-        pass: Option<&PassLights>,
-        (chosen, frame): (&[[u32; 2]], u32),
-        tints: &[Tint],
-        [mean, most]: [f32; 2],
-        stats: &mut RenderStats,
-    ) -> Option<Vec<f32>> {
-        let sampler = Sampler { job, pass };
-        let chunks: Vec<&[[u32; 2]]> = chosen.chunks(TOGETHER).collect();
-        let take = |tracer: &mut BatchTracer, n: usize| {
-            let pixels = chunks[n];
-            let is_requested = !job.should_stop();
-            let fresh_radiance =
-                if is_requested { radiance(job, pass, tracer, pixels, frame) } else { Vec::new() };
-            (fresh_radiance, tracer.take_stats())
-        };
-        let found: Vec<(Vec<Vec3>, RenderStats)> =
-            threads::map_with(true, chunks.len(), || sampler.tracer(), take);
-        found.iter().for_each(|(_, of_chunk)| stats.add(of_chunk));
-        if job.should_stop() {
-            return None;
-        }
-        let light_of = |(&[x, y], &fresh_radiance): (&[u32; 2], &Vec3)| {
-            let tint = &tints[(y * self.size[0] + x) as usize];
-            let is_number = fresh_radiance.is_finite();
-            if is_number { (fresh_radiance - tint.plain).max(Vec3::ZERO) / tint.share } else { Vec3::NAN }
-        };
-        let fresh_radiance = found.iter().flat_map(|(fresh_radiance, _)| fresh_radiance);
-        let mut samples: Vec<Vec3> = chosen.iter().zip(fresh_radiance).map(light_of).collect();
-        // The brightness of the first picture was unknown.
-        let mean = if mean > 0.0 { mean } else { mean_brightness(&samples) };
-        let mut count_in = |(&[x, y], sample): (&[u32; 2], &mut Vec3)| {
-            if !sample.is_finite() {
-                stats.bad_samples += 1;
-                return f32::NAN;
-            }
-            let light = &mut self.lights[(y * self.size[0] + x) as usize];
-            let known = if light.count >= 2.0 { luminance(light.mean.into()) } else { 0.0 };
-            let most = most * known.max(mean);
-            let brightness = luminance((*sample).into());
-            if most > 0.0 && brightness > most {
-                *sample *= most / brightness;
-            }
-            let count = light.count + 1.0;
-            light.mean += (*sample - light.mean) / count;
-            light.count = count.min(MOST);
-            if most > 0.0 { brightness.min(most) } else { brightness }
-        };
-        Some(chosen.iter().zip(&mut samples).map(&mut count_in).collect())
-    }
-}
-
-/// The mean luminance of the finite ones.
-fn mean_brightness(samples: &[Vec3]) -> f32 {
-    let finite = samples.iter().filter(|sample| sample.is_finite());
-    let (sum, count) = finite
-        .fold((0.0, 0.0), |(sum, count), sample| (sum + f64::from(luminance((*sample).into())), count + 1.0));
-    (sum / f64::max(count, 1.0)) as f32
-}
-
-/// A sample of each of some pixels.
-fn radiance(
-    job: &Job,
-    pass: Option<&PassLights>,
-    tracer: &mut BatchTracer,
-    pixels: &[[u32; 2]],
-    frame: u32,
-) -> Vec<Vec3> {
-    let mut batch = std::mem::take(&mut tracer.camera);
-    job.camera_rays(pixels.iter().copied(), 0..1, &mut batch);
-    // Numbers of their own for each frame, not the next ones of the pixel's sequence: light moves on to other pixels as the camera does, few
-    // pixels take a sample in a frame, and later samples read textures finer (`cone::fineness`).
-    for key in &mut batch.keys {
-        key.pixel = hash_combine(key.pixel, frame);
-    }
-    tracer.intersect_into(RayMask::CAMERA, &batch.rays, &batch.keys, Coherence::Coherent, &mut batch.hits);
-    let mut radiance = std::mem::take(&mut batch.radiance);
-    integrators::radiance(job.options.integrator, tracer, pass, batch.met(), &mut radiance);
-    tracer.stats.camera_rays += pixels.len() as u64;
-    tracer.stats.samples += pixels.len() as u64;
-    let fresh_radiance = (0..pixels.len()).map(|i| radiance.get(i)).collect();
-    batch.radiance = radiance;
-    tracer.camera = batch;
-    fresh_radiance
 }
