@@ -14,6 +14,7 @@ mod flip;
 mod heat;
 mod picture;
 mod pyramid;
+mod screen;
 pub mod srgb;
 mod ssim;
 mod stored;

@@ -54,6 +54,7 @@ impl ToneCurve {
 
     /// Linear value of grey on a screen, 0..1.
     #[must_use]
+    #[inline]
     pub fn apply(self, linear: f32) -> f32 {
         // `max` answers the number where the other side is NaN.
         let light = linear.max(0.0);
