@@ -24,7 +24,7 @@ use crate::layers;
 use crate::many_lights::interleave::PatternTexels;
 use crate::many_lights::{self, Common, PersistentLights};
 use crate::mattes;
-use crate::motion::PictureHistory;
+use crate::motion::{MotionShare, PictureHistory};
 use crate::options::RenderOptions;
 use crate::pixel_grid::PixelGrid;
 use crate::progress::Watch;
@@ -185,12 +185,12 @@ impl Accumulation {
     }
 
     /// As [`pass_in_motion`](Self::pass_in_motion). Where [`PictureHistory::suits`] is true, the picture
-    /// reuses the light of the previous pictures, with fresh samples for a share `fresh` of the pixels, in
-    /// (0, 1]. Its mean is right, but it is smoothed, and fireflies are clamped.
+    /// reuses the light of the previous pictures, and traces and samples a share of the pixels. Its mean is
+    /// right, but it is smoothed, and fireflies are clamped.
     pub fn pass_remembering(
         &mut self,
         persistent: &mut PictureHistory,
-        fresh: f32,
+        share: MotionShare,
         world: &World,
         camera: &Arc<dyn CameraShader>,
         pool: &rayon::ThreadPool,
@@ -209,7 +209,7 @@ impl Accumulation {
             world.lights().make_set(pool);
         }
         let job = Job::new(world, &**camera, &options, &watched);
-        let whole = persistent.next(&job, camera, fresh, (&mut self.tiles, &mut self.stats), pool);
+        let whole = persistent.next(&job, camera, share, (&mut self.tiles, &mut self.stats), pool);
         self.note_pass(begin, pool);
         progress.passed(self);
         whole

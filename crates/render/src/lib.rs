@@ -66,7 +66,7 @@ pub use fingerprint::fingerprint;
 pub use frame::Frame;
 pub use many_lights::PersistentLights;
 pub use mattes::{MatteKind, Mattes, matte_id, matte_names};
-pub use motion::{MotionCost, PictureHistory};
+pub use motion::{MotionCost, MotionShare, PictureHistory};
 pub use moving_camera::MovingCamera;
 pub use options::{
     Guiding, Integrator, ReconstructionFilter, RenderOptions, UnknownGuiding, UnknownIntegrator,

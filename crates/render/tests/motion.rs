@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::common::pool;
 use gnurt_image::srgb::luminance;
 use gnurt_render::{
-    Accumulation, CommitOptions, Integrator, PictureHistory, RenderOptions, SceneCamera, ShaderTable, Silent,
-    World, render,
+    Accumulation, CommitOptions, Integrator, MotionShare, PictureHistory, RenderOptions, SceneCamera,
+    ShaderTable, Silent, World, render,
 };
 use gnurt_scene::{Camera, InstanceId, Scene};
 use gnurt_shading::CameraShader;
@@ -57,14 +57,18 @@ impl Moving {
         self.world.commit(&self.scene, &ShaderTable::default(), &how, &self.pool).expect("a sound scene");
     }
 
-    /// The picture of a step, with fresh samples for a share of the pixels.
+    /// The picture of a step: all pixels are traced, and a share of them gets fresh samples.
     fn view(&mut self, options: &RenderOptions, step: u32, fresh: f32) -> Vec<[f32; 4]> {
+        self.view_of(options, step, MotionShare { fresh, stride: 1 })
+    }
+
+    fn view_of(&mut self, options: &RenderOptions, step: u32, share: MotionShare) -> Vec<[f32; 4]> {
         let rays = SceneCamera::new(&camera(&self.scene, step)).expect("a view");
         let rays: Arc<dyn CameraShader> = Arc::new(rays);
         assert!(PictureHistory::suits(&self.world, &*rays, options), "it remembers");
         let mut measured = Accumulation::new(options.clone()).expect("sound options");
         let whole =
-            measured.pass_remembering(&mut self.history, fresh, &self.world, &rays, &self.pool, &Silent);
+            measured.pass_remembering(&mut self.history, share, &self.world, &rays, &self.pool, &Silent);
         assert!(whole && measured.is_complete(), "nobody stops it");
         measured.picture().color
     }
@@ -77,16 +81,18 @@ impl Moving {
     }
 }
 
-/// Means of blocks of 4 x 4 pixels.
+/// Means of 16 by 12 blocks.
 fn blocks(colors: &[[f32; 4]]) -> Vec<f32> {
-    let [width, height] = SIZE.map(|x| x as usize);
+    // Pictures are SIZE, or a multiple.
+    let side = 4 * (colors.len() as u32 / (SIZE[0] * SIZE[1])).isqrt() as usize;
+    let [width, height] = [16 * side, 12 * side];
     let mean = |left: usize, top: usize| {
-        let pixels = (top..top + 4).flat_map(|y| (left..left + 4).map(move |x| colors[y * width + x]));
-        pixels.map(|[r, g, b, _]| luminance([r, g, b])).sum::<f32>() / 16.0
+        let pixels = (top..top + side).flat_map(|y| (left..left + side).map(move |x| colors[y * width + x]));
+        pixels.map(|[r, g, b, _]| luminance([r, g, b])).sum::<f32>() / (side * side) as f32
     };
     (0..height)
-        .step_by(4)
-        .flat_map(|y| (0..width).step_by(4).map(move |x| [x, y]))
+        .step_by(side)
+        .flat_map(|y| (0..width).step_by(side).map(move |x| [x, y]))
         .map(|[x, y]| mean(x, y))
         .collect()
 }
@@ -105,13 +111,18 @@ fn remembered_light_is_that_of_fresh_pictures() {
     for integrator in
         [Integrator::Path, Integrator::BidirectionalInstantRadiosity, Integrator::InstantRadiosity]
     {
-        let mut moving = Moving::new(2);
-        let options = options(integrator);
-        let last = 30;
-        let found = (0..=last).map(|step| moving.view(&options, step, 1.0 / 8.0)).last().expect("pictures");
-        let [mean, off] = errors(&found, &moving.rendered(&options, last));
-        eprintln!("{integrator}: mean {mean}, blocks off by {off}");
-        assert!((mean - 1.0).abs() < 0.03 && off < 0.12, "{integrator}: mean {mean}, blocks off by {off}");
+        // As many pixels are traced in both cases.
+        for stride in [1, 2] {
+            let share = MotionShare { fresh: 0.125, stride };
+            let mut moving = Moving::new(2);
+            let [width, height] = SIZE.map(|side| side * stride);
+            let options = RenderOptions { width, height, ..options(integrator) };
+            let last = 30;
+            let found = (0..=last).map(|step| moving.view_of(&options, step, share)).last();
+            let [mean, off] = errors(&found.expect("pictures"), &moving.rendered(&options, last));
+            eprintln!("{integrator}, {share:?}: mean {mean}, blocks off by {off}");
+            assert!((mean - 1.0).abs() < 0.03 && off < 0.12, "{integrator}, {share:?}: {mean}, {off}");
+        }
     }
 }
 
@@ -120,9 +131,31 @@ fn pictures_do_not_depend_on_threads() {
     for integrator in [Integrator::Path, Integrator::BidirectionalInstantRadiosity] {
         let [one, three] = [1, 3].map(|threads| {
             let mut moving = Moving::new(threads);
-            (0..4).map(|step| moving.view(&options(integrator), step, 0.1)).collect::<Vec<_>>()
+            let share = |step: u32| MotionShare { fresh: 0.1, stride: 1 + u32::from(step > 1) };
+            let view = |step| moving.view_of(&options(integrator), step, share(step));
+            (0..6).map(view).collect::<Vec<_>>()
         });
         assert!(one == three, "{integrator}");
+    }
+}
+
+/// Surfaces stand where they are traced in all pixels, at rest exactly, in motion up to single pixels at
+/// edges.
+#[test]
+fn pixels_between_traced_ones_show_the_same_surfaces() {
+    let options = RenderOptions { max_depth: 1, ..options(Integrator::Path) };
+    let [every, fourth] = [1, 2].map(|stride| MotionShare { fresh: 1.0, stride });
+    for (steps, most) in [([0; 6], 0.0), ([0, 1, 2, 3, 4, 5], 0.01)] {
+        let [every, fourth] = [every, fourth].map(|share| {
+            let mut moving = Moving::new(2);
+            steps.map(|step| moving.view_of(&options, step, share)).last().expect("pictures").clone()
+        });
+        // Without bounces only lamps show: their edges tell surfaces apart.
+        let lit = |colors: &[[f32; 4]]| colors.iter().map(|c| c[0] > 1.0).collect::<Vec<_>>();
+        let (every, fourth) = (lit(&every), lit(&fourth));
+        let off = every.iter().zip(&fourth).filter(|(a, b)| a != b).count();
+        let share = off as f32 / every.len() as f32;
+        assert!(every.contains(&true) && share <= most, "steps {steps:?}: {off} pixels differ");
     }
 }
 

@@ -9,7 +9,7 @@ use gnurt::camera_rays;
 use gnurt::denoise;
 use gnurt::image::{WorkingSpace, convert_from};
 use gnurt::osl::CameraScript;
-use gnurt::render::{Accumulation, MotionCost, PictureHistory, Progress, RenderOptions, World};
+use gnurt::render::{Accumulation, MotionCost, MotionShare, PictureHistory, Progress, RenderOptions, World};
 use gnurt::scene::Camera;
 use gnurt::shading::CameraShader;
 
@@ -35,8 +35,8 @@ pub(crate) struct ViewRequest {
 /// Virtual lights that a pixel gathers while the camera moves, at most, as far as patterns are wide enough.
 const MOST_LIGHTS: u32 = 64;
 
-/// Fraction of the pixels with a fresh sample of light, without a measured time.
-pub(crate) const FRESH: f32 = 1.0 / 16.0;
+/// What previews render where no time was measured.
+const SHARE: MotionShare = MotionShare { fresh: 1.0 / 24.0, stride: 2 };
 
 /// Width of the pattern of interleaved pixels while the camera moves.
 fn pattern_in_motion(vpls: u32) -> u32 {
@@ -50,8 +50,8 @@ pub(crate) struct Eye {
     making: Option<Making>,
     /// State that previews leave to the next one.
     history: PictureHistory,
-    /// Share of the pixels for which previews take a fresh sample of light, where they reuse the others.
-    pub(crate) fresh: f32,
+    /// What previews render where they reuse earlier ones.
+    pub(crate) share: MotionShare,
     pub(crate) colors: Vec<[f32; 4]>,
     /// The space of the light of the world last seen; `colors` are of Rec. 709.
     space: WorkingSpace,
@@ -77,7 +77,7 @@ impl Eye {
             options,
             making: None,
             history: PictureHistory::default(),
-            fresh: FRESH,
+            share: SHARE,
             colors: Vec::new(),
             space: WorkingSpace::default(),
             temporal_filter: TemporalFilter::default(),
@@ -197,7 +197,7 @@ impl Eye {
         self.space = world.space();
         let Some(Making { accumulation, rays, preview, .. }) = &mut self.making else { return true };
         if *preview {
-            return accumulation.pass_remembering(&mut self.history, self.fresh, world, rays, pool, progress);
+            return accumulation.pass_remembering(&mut self.history, self.share, world, rays, pool, progress);
         }
         accumulation.pass(world, &**rays, samples, pool, progress)
     }

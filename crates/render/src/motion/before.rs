@@ -14,6 +14,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_shading::CameraShader;
 
+use super::lattice::Lattice;
 use super::surface_key::{Light, SurfaceKey};
 use super::surface_sample::SurfaceSample;
 
@@ -28,25 +29,30 @@ pub(super) struct Before {
     pub(super) camera: Arc<dyn CameraShader>,
     /// Where its middle was seen from.
     pub(super) eye: Vec3,
-    pub(super) size: [u32; 2],
-    /// Row by row.
+    pub(super) lattice: Lattice,
+    /// Row by row of the lattice.
     pub(super) surface_keys: Vec<SurfaceKey>,
     pub(super) lights: Vec<Light>,
 }
 
 impl Before {
-    /// The light at that point; `most` samples count at most.
-    pub(super) fn recall(&self, sample: &SurfaceSample, most: f32) -> Light {
+    /// Where that point was, in pixels from the left and the top; NaN where it was not.
+    #[inline(always)]
+    pub(super) fn origin(&self, sample: &SurfaceSample) -> [f32; 2] {
+        let [width, height] = self.lattice.full.map(|side| side as f32);
+        let at = self.camera.project(sample.image, width / height);
+        at.map_or([f32::NAN; 2], |[across, up]| [across * width, (1.0 - up) * height])
+    }
+
+    /// The light at that point, which was at `origin`; `most` samples count at most.
+    #[inline(always)]
+    pub(super) fn recall(&self, sample: &SurfaceSample, origin: [f32; 2], most: f32) -> Light {
         if !sample.surface_key.is_surface() {
             return Light::default();
         }
-        let [width, height] = self.size;
-        let Some([across, up]) = self.camera.project(sample.image, width as f32 / height as f32) else {
-            return Light::default();
-        };
+        let [width, height] = self.lattice.size();
         // From the middle of a pixel that would be left of and above all.
-        let x = across * width as f32 + 0.5;
-        let y = (1.0 - up) * height as f32 + 0.5;
+        let [x, y] = self.lattice.column_and_row(origin).map(|at| at + 1.0);
         if !(x > 0.0 && y > 0.0 && x < width as f32 + 1.0 && y < height as f32 + 1.0) {
             return Light::default();
         }
@@ -78,6 +84,7 @@ impl Before {
     }
 
     /// The share of samples that still count.
+    #[inline(always)]
     fn lasting(&self, sample: &SurfaceSample) -> f32 {
         let roughness = sample.tint.roughness;
         if roughness >= WIDE {

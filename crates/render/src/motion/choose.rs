@@ -11,6 +11,7 @@ const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// The need of a pixel for a sample, relative to a pixel with known light.
+#[inline(always)]
 pub(super) fn need(surface_key: &SurfaceKey, light: &Light) -> f32 {
     if !surface_key.is_surface() {
         return 0.0;

@@ -11,12 +11,15 @@ use glam::Vec3;
 use gnurt_accel::threads::{self, Pieces};
 use gnurt_image::srgb::luminance;
 use gnurt_shading::CameraShader;
+use gnurt_simd::Level;
 
 use super::before::Before;
 use super::choose::scale;
-use super::frame::Frame;
+use super::frame::{Frame, Spare};
+use super::lattice::Lattice;
 use super::smooth::{Given, Smooth, Strength, is_shiny};
-use super::surface_key::{Light, SurfaceKey, Tint};
+use super::surface_key::{SurfaceKey, Tint};
+use super::whole::{Traced, Whole};
 use crate::film::TileFilm;
 use crate::job::Job;
 use crate::many_lights::{PersistentLights, alike};
@@ -54,9 +57,20 @@ pub struct PictureHistory {
     tints: Vec<Tint>,
     /// Light as it is shown.
     shown: Smooth,
-    spare: Vec<Light>,
-    spare_surface_keys: Vec<SurfaceKey>,
+    /// All pixels, where one in four is traced.
+    whole: Whole,
+    spare: Spare,
     cost: MotionCost,
+}
+
+/// What a picture in motion renders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionShare {
+    /// Share of the traced pixels that get a fresh sample of light, in (0, 1].
+    pub fresh: f32,
+    /// 1: all pixels are traced. 2: one of each cell of two by two, another one in each frame; the others
+    /// show what earlier pictures knew of the same surface. Greater values count as 2.
+    pub stride: u32,
 }
 
 /// Cost of the last picture in motion.
@@ -66,8 +80,12 @@ pub struct MotionCost {
     pub samples: u64,
     /// Seconds that these took.
     pub sampling_seconds: f64,
-    /// Seconds of all the rest, virtual lights included.
-    pub other_seconds: f64,
+    /// Pixels whose surface was traced.
+    pub traced: u64,
+    /// Seconds that these took, and the filter over their light; virtual lights included.
+    pub tracing_seconds: f64,
+    /// Seconds that the colours of all pixels took.
+    pub showing_seconds: f64,
 }
 
 impl PictureHistory {
@@ -93,21 +111,22 @@ impl PictureHistory {
         self.cost
     }
 
-    /// Makes the next picture, with fresh samples for this share of the pixels, and writes it to `tiles`;
-    /// returns false if it was stopped.
+    /// Makes the next picture and writes it to `tiles`; returns false if it was stopped.
     pub(crate) fn next(
         &mut self,
         job: &Job,
         camera: &Arc<dyn CameraShader>,
-        fresh: f32,
+        share: MotionShare,
         (tiles, stats): (&mut [TileFilm], &mut RenderStats),
         pool: &rayon::ThreadPool,
     ) -> bool {
         let begin = Instant::now();
-        let size = [job.options.width, job.options.height];
+        let lattice = Lattice::new([job.options.width, job.options.height], share.stride, self.frame);
         self.follow(job);
-        let mut frame =
-            Frame::new(size, std::mem::take(&mut self.spare_surface_keys), std::mem::take(&mut self.spare));
+        if lattice.stride > 1 && !self.whole.is_of(lattice.full) {
+            self.begin_whole(lattice.full, pool);
+        }
+        let mut frame = Frame::new(lattice, std::mem::take(&mut self.spare));
         let fading = self.fading();
         let Self { lights, before, tints, .. } = self;
         // Few paths bring virtual lights: they would not be work for all threads.
@@ -123,8 +142,9 @@ impl PictureHistory {
             stats.add(&pass.stats);
         }
         // The first one has no history.
-        let fresh = if self.before.is_some() { fresh } else { FIRST * fresh };
-        let requested = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(size[0]) * f64::from(size[1]);
+        let fresh = if self.before.is_some() { share.fresh } else { FIRST * share.fresh };
+        let [width, height] = lattice.size();
+        let requested = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(width) * f64::from(height);
         let scale = scale(counts, requested);
         let chosen = pool.install(|| frame.choose(scale, self.frame));
         let sampled = pool.install(|| {
@@ -132,43 +152,44 @@ impl PictureHistory {
             frame.sample(job, pass.as_ref(), (&chosen, self.frame), &self.tints, cut, stats)
         });
         let Some(brightness) = sampled else {
-            // The previous picture stays the previous one.
-            (self.spare_surface_keys, self.spare) = (frame.surface_keys, frame.lights);
+            // The previous picture stays the previous one, but for its tints.
+            self.tints.clear();
+            self.spare = frame.into();
             return false;
         };
         let sampled = Instant::now();
         pool.install(|| {
             let level = job.options.level;
             let Frame { surface_keys, lights, .. } = &frame;
-            let given = Given { width: size[0] as usize, surface_keys, tints: &self.tints, lights };
+            let given = Given { width: width as usize, surface_keys, tints: &self.tints, lights };
             let strength = Strength::of(self.noise.unwrap_or_default());
             self.shown.smooth(&given, strength, level);
-            self.mean = mean_of(&frame.surface_keys, &self.shown, size[0] as usize);
+            self.mean = mean_of(&frame.surface_keys, &self.shown, width as usize);
             let noise = noise_of((&chosen, &brightness), &given, &self.shown, self.mean);
             if self.noise.is_none() && Strength::of(noise) != strength {
                 // The noise of the first picture was unknown.
                 self.shown.smooth(&given, Strength::of(noise), level);
-                self.mean = mean_of(&frame.surface_keys, &self.shown, size[0] as usize);
+                self.mean = mean_of(&frame.surface_keys, &self.shown, width as usize);
             }
             let before = self.noise.unwrap_or(noise);
             self.noise = Some([0, 1].map(|k| before[k] + (noise[k] - before[k]) * NEW_NOISE));
-            self.write(tiles, size[0] as usize);
         });
-        let next = Before {
-            camera: camera.clone(),
-            eye: job.eye,
-            size,
-            surface_keys: frame.surface_keys,
-            lights: frame.lights,
-        };
+        let filtered = Instant::now();
+        pool.install(|| self.show(tiles, &frame, (&**camera, job.eye), job.options.level));
+        let Frame { surface_keys, lights, origins, .. } = frame;
+        let next = Before { camera: camera.clone(), eye: job.eye, lattice, surface_keys, lights };
         if let Some(old) = self.before.replace(next) {
-            (self.spare_surface_keys, self.spare) = (old.surface_keys, old.lights);
+            self.spare = Spare { surface_keys: old.surface_keys, lights: old.lights, origins };
         }
         self.frame = self.frame.wrapping_add(1);
         self.unrest = self.unrest.saturating_sub(1);
-        let sampling_seconds = (sampled - looked).as_secs_f64();
-        let other_seconds = begin.elapsed().as_secs_f64() - sampling_seconds;
-        self.cost = MotionCost { samples: chosen.len() as u64, sampling_seconds, other_seconds };
+        self.cost = MotionCost {
+            samples: chosen.len() as u64,
+            sampling_seconds: (sampled - looked).as_secs_f64(),
+            traced: u64::from(width) * u64::from(height),
+            tracing_seconds: (looked - begin + (filtered - sampled)).as_secs_f64(),
+            showing_seconds: filtered.elapsed().as_secs_f64(),
+        };
         true
     }
 
@@ -190,20 +211,52 @@ impl PictureHistory {
         if self.unrest > 0 { CHANGING } else { 1.0 }
     }
 
+    /// Starts from the previous picture, if all of its pixels were traced.
+    fn begin_whole(&mut self, full: [u32; 2], pool: &rayon::ThreadPool) {
+        let Self { before, tints, shown, whole, .. } = self;
+        let is_whole = |before: &&Before| before.lattice == Lattice::new(full, 1, 0);
+        match before.as_ref().filter(is_whole) {
+            Some(before) if before.surface_keys.len() == tints.len() => {
+                pool.install(|| whole.take(full, &before.surface_keys, tints, shown));
+            }
+            _ => whole.forget(),
+        }
+    }
+
     /// Writes colours to the film.
-    fn write(&self, tiles: &mut [TileFilm], width: usize) {
+    fn show(
+        &mut self,
+        tiles: &mut [TileFilm],
+        frame: &Frame,
+        (camera, eye): (&dyn CameraShader, Vec3),
+        level: Level,
+    ) {
         let unknown = Vec3::splat(self.mean);
-        let tiles = Pieces::new(tiles, 1);
-        threads::for_each(true, tiles.count(), &|n| {
-            tiles.lock(n)[0].show(|[x, y]| {
-                let i = y as usize * width + x as usize;
-                let (tint, light) = (&self.tints[i], self.shown.light(x as usize, y as usize));
+        if frame.lattice.stride == 1 {
+            self.whole.forget();
+            let width = frame.lattice.full[0];
+            write(tiles, |[x, y]| {
+                let (tint, light) =
+                    (&self.tints[(y * width + x) as usize], self.shown.light(x as usize, y as usize));
                 let mean = if light.count > 0.0 { light.mean } else { unknown };
                 let [r, g, b] = (tint.plain + tint.share * mean).to_array();
                 [r, g, b, tint.opacity]
             });
-        });
+            return;
+        }
+        let Frame { lattice, surface_keys, origins, .. } = frame;
+        let (tints, shown) = (&self.tints, &self.shown);
+        let lattice = *lattice;
+        let traced = Traced { lattice, surface_keys, tints, shown, unknown, origins, camera, eye };
+        self.whole.next(&traced, level);
+        write(tiles, |[x, y]| self.whole.color(x, y));
     }
+}
+
+/// Gives the pixels of the film their colours.
+fn write(tiles: &mut [TileFilm], color: impl Fn([u32; 2]) -> [f32; 4] + Sync) {
+    let tiles = Pieces::new(tiles, 1);
+    threads::for_each(true, tiles.count(), &|n| tiles.lock(n)[0].show(&color));
 }
 
 /// Luminance of light on the mean pixel that shows a surface.

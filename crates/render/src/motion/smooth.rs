@@ -238,7 +238,7 @@ impl Near {
         {
             [x[i], y_[i], z[i]] = surface_key.p.to_array();
             [u[i], v[i], w[i]] = surface_key.ns.to_array();
-            (wide[i], id[i]) = (surface_key.width, number_of(surface_key.id));
+            (wide[i], id[i]) = (surface_key.width, surface_key.number());
             enough[i] = strength.enough[usize::from(is_shiny(tint))];
         }
         let [r, g, b, n] = planes_of(row_mut(&mut light[0], y, stride * light::COUNT), stride, width);
@@ -275,12 +275,6 @@ fn row_of(some: &[f32], y: usize, numbers: usize) -> &[f32] {
 fn row_mut(some: &mut [f32], y: usize, numbers: usize) -> &mut [f32] {
     let first = y % (some.len() / numbers) * numbers;
     &mut some[first..][..numbers]
-}
-
-/// A number for an id, for comparisons: never NaN, and that of no id is unique.
-fn number_of(id: u32) -> f32 {
-    let fraction = (id ^ id >> 9) & 0x7f_ffff;
-    if id == 0 { 0.0 } else { f32::from_bits(fraction | 1.0_f32.to_bits()) }
 }
 
 /// The numbers of each kind in a row, without margins.

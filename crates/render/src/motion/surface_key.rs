@@ -33,6 +33,13 @@ impl SurfaceKey {
         self.id != 0
     }
 
+    /// A number for the id, for comparisons: never NaN; 0 for no surface, else in 1..2.
+    #[inline(always)]
+    pub(super) fn number(&self) -> f32 {
+        let fraction = (self.id ^ self.id >> 9) & 0x7f_ffff;
+        if self.id == 0 { 0.0 } else { f32::from_bits(fraction | 1.0_f32.to_bits()) }
+    }
+
     /// Whether the light on the two is about the same, for pixels at distance `pixels`.
     #[inline(always)]
     pub(super) fn agrees(&self, other: &Self, pixels: f32) -> bool {

@@ -13,6 +13,7 @@ use gnurt_shading::bsdf::{Bsdf, BsdfSample, ClosureBatch, Kind};
 use gnurt_shading::sampling::hash_combine;
 use gnurt_shading::{SampleKey, SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
+use super::lattice::Lattice;
 use super::surface_key::{SurfaceKey, Tint};
 use crate::cone::{ConeHit, fineness};
 use crate::film::{self, BLOCK};
@@ -27,6 +28,8 @@ const LEAST_SHARE: f32 = 0.04;
 const HALF_WIDE: f32 = 0.3;
 /// No lobe is narrower.
 const NARROWEST: f32 = 0.02;
+/// Distance of the environment's image.
+const FAR: f32 = 1e12;
 /// Mirrors behind mirrors that are followed.
 const MOST_MIRRORS: u32 = 8;
 /// Columns that are processed together.
@@ -89,20 +92,25 @@ fn grain_of(lobes: impl Iterator<Item = (Kind, f32)>) -> f32 {
     narrowest.clamp(if is_wide { HALF_WIDE } else { NARROWEST }, 1.0)
 }
 
-/// Calls `with(column, row, sample)` for each pixel of some rows.
+/// Calls `with` for the pixels of some rows of the lattice, columns and rows and samples, many at once.
 pub(super) fn sample_surfaces(
     job: &Job,
+    lattice: Lattice,
     tracer: &mut BatchTracer,
     rows: [u32; 2],
-    with: &mut dyn FnMut(u32, u32, &SurfaceSample),
+    with: &mut dyn FnMut(&[[u32; 2]], &[SurfaceSample]),
 ) {
     let mut batch = std::mem::take(&mut tracer.camera);
-    let mut sights: Vec<SurfaceSample> = Vec::new();
-    for left in (0..job.options.width).step_by(COLUMNS as usize) {
-        let rect = [left, rows[0], (left + COLUMNS).min(job.options.width), rows[1]];
-        let pixels = film::blocks(rect)
-            .flat_map(|[x0, y0, x1, y1]| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y])));
-        job.camera_rays(pixels, 0..1, &mut batch);
+    let (mut sights, mut places) = (Vec::<SurfaceSample>::new(), Vec::new());
+    let [width, _] = lattice.size();
+    for left in (0..width).step_by(COLUMNS as usize) {
+        let rect = [left, rows[0], (left + COLUMNS).min(width), rows[1]];
+        places.clear();
+        // An iterator of rows and columns is fast from inside only.
+        film::blocks(rect)
+            .flat_map(|[x0, y0, x1, y1]| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y])))
+            .for_each(|at| places.push(at));
+        job.camera_rays(places.iter().map(|&at| lattice.pixel(at)), 0..1, &mut batch);
         tracer.intersect_into(
             RayMask::CAMERA,
             &batch.rays,
@@ -114,9 +122,9 @@ pub(super) fn sample_surfaces(
         sights.clear();
         sights.resize(batch.rays.len(), SurfaceSample::default());
         see(tracer, batch.met(), &mut sights);
-        for (&[x, y], sample) in batch.pixels.iter().zip(&sights) {
-            with(x, y, sample);
-        }
+        // Widths of pixels are those of the lattice: neighbours are so far apart.
+        sights.iter_mut().for_each(|sample| sample.surface_key.width *= lattice.stride as f32);
+        with(&places, &sights);
     }
     tracer.camera = batch;
 }
@@ -132,7 +140,8 @@ fn see(tracer: &mut BatchTracer, camera: HitLanes, sights: &mut [SurfaceSample])
     for (k, &lane) in missed.iter().enumerate() {
         let dir = Vec3::from(camera.rays.get(lane).dir);
         let tint = Tint { plain: visible.get(k), ..Tint::default() };
-        sights[lane] = SurfaceSample { tint, toward: -dir, ..SurfaceSample::default() };
+        let image = Vec3::from(camera.rays.get(lane).org) + dir * FAR;
+        sights[lane] = SurfaceSample { tint, image, toward: -dir, ..SurfaceSample::default() };
     }
     let mut beyond = Walks::default();
     let mut closures = std::mem::take(&mut tracer.closures);

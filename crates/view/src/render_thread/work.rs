@@ -67,6 +67,8 @@ struct Present {
     preview: bool,
     /// Whether previews reuse those before, and are whole.
     remembers: bool,
+    /// One of each cell of so many columns and rows is traced.
+    stride: u32,
     /// Whether it has the layers that denoisers read.
     layers: bool,
     /// Whether nothing can be added until something changes.
@@ -84,6 +86,7 @@ impl Present {
             divisor: 1,
             preview: false,
             remembers: false,
+            stride: 1,
             layers: true,
             done: true,
             temporal_filter: true,
@@ -260,10 +263,13 @@ impl Work {
                 }
                 // It rests: finer, and at last with samples that count.
                 let divisor = present.divisor / 2;
+                self.eye.share.stride = 1;
                 Present {
                     divisor: divisor.max(1),
-                    // One that reuses others is whole before it rests.
-                    preview: divisor > 1 || (present.remembers && present.divisor > 1),
+                    stride: 1,
+                    // All pixels of one that reuses others are traced before it rests.
+                    preview: divisor > 1
+                        || (present.remembers && (present.divisor > 1 || present.stride > 1)),
                     layers: request.requests_denoising(),
                     ..present
                 }
@@ -275,14 +281,14 @@ impl Work {
                 // A picture at rest that only lacks layers starts from the displayed one.
                 let goes_on = old.is_some_and(|old| old.view == view && !old.preview);
                 let remembers = self.eye.remembers(&request.view_request(1), script, &stage.world);
-                let divisor = if goes_on {
-                    1
+                let (divisor, stride) = if goes_on {
+                    (1, 1)
                 } else if remembers {
-                    let (divisor, fresh) = self.pace.remembering(request.size);
-                    self.eye.fresh = fresh;
-                    divisor
+                    let (divisor, share) = self.pace.remembering(request.size);
+                    self.eye.share = share;
+                    (divisor, share.stride)
                 } else {
-                    self.pace.divisor(request.size)
+                    (self.pace.divisor(request.size), 1)
                 };
                 Present {
                     view,
@@ -291,6 +297,7 @@ impl Work {
                     // Reprojected light is displayed at once, and pictures at rest start from it.
                     preview: request.moving || divisor > 1 || (remembers && !goes_on),
                     remembers,
+                    stride,
                     layers: request.requests_denoising(),
                     done: false,
                     temporal_filter: true,
