@@ -43,8 +43,8 @@ pub(crate) struct CompiledDisplacement {
 enum CompiledOffset {
     None,
     Offset(Offset),
-    /// A shader, and the script that it was made of unless that is a surface.
-    Shader(Arc<dyn DisplacementShader>, Option<Box<Script>>),
+    /// A shader, and the script that it was made of.
+    Shader(Arc<dyn DisplacementShader>, Box<Script>),
 }
 
 /// The displacement that is given, if one is.
@@ -112,7 +112,7 @@ impl CompiledDisplacement {
         let offset = match offset {
             NewOffset::Offset(offset) => CompiledOffset::Offset(offset),
             NewOffset::Script(script) => match script.displacement()? {
-                Some(shader) => CompiledOffset::Shader(shader, Some(script)),
+                Some(shader) => CompiledOffset::Shader(shader, script),
                 None => {
                     let name = script.name();
                     return Err(format!(
@@ -120,8 +120,11 @@ impl CompiledDisplacement {
                     ));
                 }
             },
-            NewOffset::None => match surface.map(Script::displacement).transpose()?.flatten() {
-                Some(shader) => CompiledOffset::Shader(shader, None),
+            NewOffset::None => match surface {
+                Some(script) => match script.displacement()? {
+                    Some(shader) => CompiledOffset::Shader(shader, Box::new(script.clone())),
+                    None => CompiledOffset::None,
+                },
                 None => CompiledOffset::None,
             },
         };
@@ -134,9 +137,7 @@ impl CompiledDisplacement {
         let offset = match offset {
             CompiledOffset::None => return Ok(None),
             CompiledOffset::Offset(offset) => offset,
-            CompiledOffset::Shader(shader, script) => {
-                Offset::Shader(stage.add_displacement(shader, script.map(|script| *script)))
-            }
+            CompiledOffset::Shader(shader, script) => Offset::Shader(stage.add_displacement(shader, *script)),
         };
         let made = Displacement { offset, scale, midlevel, refinement };
         let count = stage.scene().textures().len();

@@ -20,6 +20,7 @@ mod lights;
 mod materials;
 mod media;
 mod moments;
+mod pickled;
 mod picture;
 mod pixels;
 mod polygons;

@@ -24,6 +24,7 @@ use crate::given::Given;
 use crate::lights;
 use crate::materials::{Compiled, material_id, plain};
 use crate::media;
+use crate::pickled;
 use crate::picture::Picture;
 use crate::rendering::{BuildRequest, Growing};
 use crate::shade;
@@ -118,6 +119,19 @@ impl Scene {
     #[staticmethod]
     fn _files(py: Python<'_>, source: PathBuf) -> PyResult<Vec<PathBuf>> {
         Ok(py.detach(|| gnurt::load_scene(&source)).map_err(|error| scene_error(&error))?.files)
+    }
+
+    /// State for pickle: the description, and shaders with the texts of their files.
+    fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let parts = self.with(py, |stage| stage.parts());
+        pickled::state(py, &parts)
+    }
+
+    fn __setstate__(&self, py: Python<'_>, state: &Bound<'_, PyDict>) -> PyResult<()> {
+        let stage = pickled::stage(py, state)?;
+        let before = self.with(py, |own| std::mem::replace(own, stage));
+        py.detach(|| drop(before));
+        Ok(())
     }
 
     fn _take(&self, py: Python<'_>, other: &Bound<'_, Self>) {

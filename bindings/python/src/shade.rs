@@ -86,8 +86,7 @@ impl Shaded {
         let count = stage.scene().materials().len();
         let materials: Vec<usize> = self.materials.into_iter().filter(|&id| id < count).collect();
         if let Some(displacement) = self.displacement {
-            let script = self.surface.is_none().then(|| self.script.clone());
-            let offset = Offset::Shader(stage.add_displacement(displacement, script));
+            let offset = Offset::Shader(stage.add_displacement(displacement, self.script.clone()));
             stage.edit(|scene| {
                 for &id in &materials {
                     let id = MaterialId(id as u32);

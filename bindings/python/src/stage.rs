@@ -12,7 +12,8 @@ use gnurt::image::WorkingSpace;
 use gnurt::osl::{CameraScript, Script};
 use gnurt::render::{CommitOptions, Integrator, RenderOptions, ShaderTable, World};
 use gnurt::scene::animation::Exposure;
-use gnurt::scene::{Affine, Camera, CameraId, InstanceId, Scene, Texture, TextureId};
+use gnurt::scene::displacement::Offset;
+use gnurt::scene::{Affine, Camera, CameraId, InstanceId, Scene, Surface, Texture, TextureId};
 use gnurt::shading::texture::TextureSampler;
 use gnurt::shading::{CameraShader, DisplacementShader, LightShader, PixelShader, SurfaceShader};
 use gnurt::{FramePose, ThreadPool, camera_rays_along, named_camera_shader, put_named_shaders};
@@ -88,6 +89,15 @@ pub(crate) struct Poses {
     pub(crate) around: [Option<FramePose>; 2],
 }
 
+/// A scene with the scripts of its shaders, for light in Rec. 709, and the suns of its skies.
+pub(crate) struct Parts {
+    pub(crate) scene: Scene,
+    pub(crate) surfaces: Vec<Script>,
+    pub(crate) displacements: Vec<Script>,
+    pub(crate) lights: Vec<Script>,
+    pub(crate) suns: BTreeMap<u32, u32>,
+}
+
 /// A scene and its world.
 #[derive(Default)]
 pub(crate) struct Stage {
@@ -95,9 +105,10 @@ pub(crate) struct Stage {
     shown: Option<Shown>,
     /// The shaders of materials.
     shaders: ShaderTable,
-    /// Those of its surfaces and lights, in order.
+    /// Those of its surfaces, lights and displacements, in order.
     scripts: Vec<Script>,
     light_scripts: Vec<Script>,
+    displacement_scripts: Vec<Script>,
     /// The space that the shaders are made for.
     space: WorkingSpace,
     /// Those of the last view.
@@ -132,16 +143,68 @@ impl Stage {
     /// Of a scene as it was read: shaders that its file names are compiled.
     pub(crate) fn of(mut scene: Scene) -> Self {
         let mut shaders = ShaderTable::default();
-        let (scripts, progress) = put_named_shaders(&mut scene, &mut shaders, WorkingSpace::Rec709);
-        Self { scene, shaders, scripts, progress, ..Self::default() }
+        let named = put_named_shaders(&mut scene, &mut shaders, WorkingSpace::Rec709);
+        let (scripts, displacement_scripts) = (named.surfaces, named.displacements);
+        Self { scene, shaders, scripts, displacement_scripts, progress: named.reported, ..Self::default() }
+    }
+
+    /// All that it is made of.
+    pub(crate) fn parts(&self) -> Parts {
+        Parts {
+            scene: self.scene.clone(),
+            surfaces: self.scripts.clone(),
+            displacements: self.displacement_scripts.clone(),
+            lights: self.light_scripts.clone(),
+            suns: self.suns.clone(),
+        }
+    }
+
+    /// Of parts: shaders are compiled.
+    pub(crate) fn of_parts(parts: Parts) -> Result<Self, String> {
+        let Parts { scene, surfaces, displacements, lights, suns } = parts;
+        let displacement = |script: &Script| {
+            let is_none = || format!("{}: it is no displacement", script.name());
+            script.displacement()?.ok_or_else(is_none)
+        };
+        let shaders = ShaderTable {
+            surfaces: surfaces.iter().map(Script::surface).collect::<Result<_, _>>()?,
+            displacements: displacements.iter().map(displacement).collect::<Result<_, String>>()?,
+            lights: lights.iter().map(Script::light).collect::<Result<_, _>>()?,
+            ..ShaderTable::default()
+        };
+        let of_surfaces = scene.materials().iter().filter_map(|material| match material.surface {
+            Surface::Shader(number) => Some((number, surfaces.len())),
+            _ => None,
+        });
+        let of_displacements =
+            scene.displacements().filter_map(|(_, displacement)| match displacement.offset {
+                Offset::Shader(number) => Some((number, displacements.len())),
+                _ => None,
+            });
+        if of_surfaces.chain(of_displacements).any(|(number, count)| number as usize >= count) {
+            return Err("a shader of the scene is missing".into());
+        }
+        let (scripts, displacement_scripts, light_scripts) = (surfaces, displacements, lights);
+        Ok(Self { scene, shaders, scripts, displacement_scripts, light_scripts, suns, ..Self::default() })
     }
 
     /// Its description, for another one, without the world.
     pub(crate) fn copy(&mut self) -> Self {
         let (shaders, scripts) = (self.shaders.clone(), self.scripts.clone());
         let (light_scripts, space) = (self.light_scripts.clone(), self.space);
+        let (displacement_scripts, suns) = (self.displacement_scripts.clone(), self.suns.clone());
         let (scene, progress) = (self.scene.clone(), self.progress());
-        Self { scene, shaders, scripts, light_scripts, space, progress, ..Self::default() }
+        Self {
+            scene,
+            shaders,
+            scripts,
+            light_scripts,
+            displacement_scripts,
+            space,
+            suns,
+            progress,
+            ..Self::default()
+        }
     }
 
     /// The number of a surface that a shader makes.
@@ -154,14 +217,11 @@ impl Stage {
         (self.shaders.surfaces.len() - 1) as u32
     }
 
-    /// The number of a displacement; `script` is of one that is no surface.
-    pub(crate) fn add_displacement(
-        &mut self,
-        shader: Arc<dyn DisplacementShader>,
-        script: Option<Script>,
-    ) -> u32 {
-        self.progress.extend(script.iter().flat_map(warnings_of));
+    /// The number of a displacement.
+    pub(crate) fn add_displacement(&mut self, shader: Arc<dyn DisplacementShader>, script: Script) -> u32 {
+        self.progress.extend(warnings_of(&script));
         self.shaders.displacements.push(shader);
+        self.displacement_scripts.push(script);
         (self.shaders.displacements.len() - 1) as u32
     }
 
@@ -234,8 +294,8 @@ impl Stage {
 
     /// Unreported messages of shaders.
     pub(crate) fn progress(&mut self) -> Vec<String> {
-        let faults =
-            self.scripts.iter().chain(&self.light_scripts).chain(&self.of_view).flat_map(Script::faults);
+        let of_scene = self.scripts.iter().chain(&self.light_scripts).chain(&self.displacement_scripts);
+        let faults = of_scene.chain(&self.of_view).flat_map(Script::faults);
         let progress = std::mem::take(&mut self.progress).into_iter().chain(faults);
         progress.filter(|line| self.reported.insert(line.clone())).collect()
     }

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Threads that call at the same moment: with and without Python's global lock, results are those of one thread."""
 
+import copy
+import os
+import pickle
 import sys
 import sysconfig
 import threading
@@ -10,7 +13,7 @@ import pytest
 
 import gnurt
 
-FREE = bool(sysconfig.get_config_var("Py_GIL_DISABLED"))
+FREE = bool(sysconfig.get_config_var("Py_GIL_DISABLED")) and os.environ.get("PYTHON_GIL") != "1"
 
 
 def together(*calls):
@@ -125,3 +128,49 @@ def test_hits_are_read_by_many():
         together(*(lambda i=i: read(i) for i in range(4)))
         assert all((normal == normals[0]).all() for normal in normals)
         assert np.allclose(np.abs(normals[0]), [0, 0, 1])
+
+
+def test_all_at_once():
+    """Threads that render, trace, edit, copy and pickle: each result is one that a single thread could have."""
+    scene, rays = gnurt.load("builtin:cornell"), gnurt.RayScene()
+    lamp = scene.add_light("point", position=(0, 0, 0), intensity=1.0)
+    glow = scene.add_material("glow", shader="surface glow (float k = 1) { Ci = k * emission (); }", parameters={"k": 0.25})
+    rays.add_triangles(*grid(20))
+    org = np.random.default_rng(9).uniform(0.05, 0.95, (3000, 3)) + [0, 0, 3]
+    down = np.array([[0.0, 0.0, -1.0]])
+    t = rays.intersect(org, down).t
+
+    def shine(power):
+        scene.set_light(lamp, "point", position=(0, 0, 0), intensity=float(power))
+
+    def picture(of=scene):
+        return np.asarray(of.render(16, 12, spp=1)).tobytes()
+
+    expected = set()
+    for power in (1, 2, 3):
+        shine(power)
+        expected.add(picture())
+    pictures, traced, stored = [], [], pickle.dumps(rays)
+
+    def edit():
+        for power in [1, 2, 3] * 8:
+            shine(power)
+            scene.set_material(glow, shader="surface glow (float k = 1) { Ci = k * emission (); }", parameters={"k": 1.0 / power})
+
+    def trace():
+        for _ in range(30):
+            traced.append(rays.intersect(org, down).t)
+            traced.append(pickle.loads(stored).intersect(org, down).t)
+
+    def render():
+        for _ in range(6):
+            pictures.append(picture())
+
+    def stand_in():
+        for _ in range(6):
+            pictures.append(picture(pickle.loads(pickle.dumps(scene))))
+            pictures.append(picture(copy.deepcopy(scene)))
+
+    together(edit, trace, trace, render, stand_in)
+    assert len(pictures) == 18 and set(pictures) <= expected
+    assert len(traced) == 120 and all((each == t).all() for each in traced)

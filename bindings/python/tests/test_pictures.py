@@ -211,9 +211,11 @@ def test_others_run_while_scenes_are_described(tmp_path):
 
         def share():
             """Of the call's time, during which this thread could do nothing."""
-            times = [time.monotonic()]
-            job = threading.Thread(target=lambda: (call(), times.append(time.monotonic())))
+            # Without a global lock, a thread that starts may keep the processor of the one that started it.
+            begin, times = threading.Event(), []
+            job = threading.Thread(target=lambda: (begin.wait(), times.append(time.monotonic()), call(), times.append(time.monotonic())))
             job.start()
+            begin.set()
             while job.is_alive():
                 assert len(scene.cameras) == 0
                 times.append(time.monotonic())

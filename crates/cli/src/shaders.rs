@@ -85,11 +85,12 @@ impl Shaders {
 
     /// Those that the scene's file names.
     fn put_named(&mut self, scene: &mut Scene, space: WorkingSpace, messages: Messages) {
-        let (scripts, reported) = gnurt::put_named_shaders(scene, &mut self.table, space);
-        reported.iter().for_each(|line| messages.warning(line));
+        let named = gnurt::put_named_shaders(scene, &mut self.table, space);
+        named.reported.iter().for_each(|line| messages.warning(line));
         let surfaces = self.table.surfaces.iter().cloned();
         self.made.extend(
-            scripts
+            named
+                .surfaces
                 .into_iter()
                 .zip(surfaces)
                 .map(|(script, surface)| SceneShader::of(script, Some(surface), None)),

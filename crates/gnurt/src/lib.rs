@@ -114,7 +114,7 @@ pub use gnurt_sl_shading as osl;
 pub use load::{
     BUILTIN, FORMATS, LoadOptions, Loaded, builtin_names, builtin_scenes, load_scene, load_scene_with,
 };
-pub use named_shaders::{named_camera_shader, put_displacement, put_named_shaders};
+pub use named_shaders::{NamedShaders, named_camera_shader, put_displacement, put_named_shaders};
 pub use numbered::Numbered;
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;

@@ -50,18 +50,24 @@ pub fn named_camera_shader(
     })
 }
 
+/// The scripts of shaders that a scene's file names.
+#[derive(Debug, Default)]
+pub struct NamedShaders {
+    /// Those of the surfaces that were added, in their order.
+    pub surfaces: Vec<Script>,
+    /// Those of the displacements that were added, in their order.
+    pub displacements: Vec<Script>,
+    /// A line for each shader that failed, and the compiler's warnings.
+    pub reported: Vec<String>,
+}
+
 /// Compiles the shaders that a scene's file names for its materials, adds them to `table` and shows materials by them.
 /// A displacement shader, or the output `displacement` of a surface, displaces the surfaces of its material.
-/// A material whose shader fails stays as it is without it; the second list has a line for each, and the
-/// compiler's warnings. Their closures are converted to the working space.
-pub fn put_named_shaders(
-    scene: &mut Scene,
-    table: &mut ShaderTable,
-    space: WorkingSpace,
-) -> (Vec<Script>, Vec<String>) {
+/// A material whose shader fails stays as it is without it. Closures are converted to the working space.
+pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable, space: WorkingSpace) -> NamedShaders {
     let named: Vec<(MaterialId, ShaderFile)> =
         scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
-    let (mut scripts, mut reported) = (Vec::new(), Vec::new());
+    let mut all = NamedShaders::default();
     for (id, named) in named {
         let made = script(scene, &named, space).and_then(|script| {
             let is_surface = script.kind() != Kind::Displacement;
@@ -72,28 +78,26 @@ pub fn put_named_shaders(
             Ok((surface, displacement, script)) => {
                 if let Some(displacement) = displacement {
                     put_displacement(scene, table, &[id], displacement);
+                    all.displacements.push(script.clone());
                 }
-                let Some(surface) = surface else {
-                    // The material stays as it is.
-                    reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
-                    continue;
-                };
-                reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+                all.reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+                // The material of a displacement stays as it is.
+                let Some(surface) = surface else { continue };
                 // Its material without the shader is used if all surfaces are forced to be diffuse.
                 let diffuse = scene.material(id).diffuse_color();
                 let material = scene.edit_material(id);
                 material.diffuse.get_or_insert(diffuse);
                 material.surface = Surface::Shader(table.surfaces.len() as u32);
                 table.surfaces.push(surface);
-                scripts.push(script);
+                all.surfaces.push(script);
             }
             Err(why) => {
                 let name = &scene.material(id).name;
-                reported.push(format!("material '{name}' is shown without its shader: {why}"));
+                all.reported.push(format!("material '{name}' is shown without its shader: {why}"));
             }
         }
     }
-    (scripts, reported)
+    all
 }
 
 /// Adds a displacement to the table, and displaces the surfaces of some materials by it. The refinement of their meshes stays.
@@ -129,8 +133,10 @@ mod tests {
         let both =
             named("surface s (output vector displacement = 0) { displacement = N; Ci = diffuse (N); }");
         let mut table = ShaderTable::default();
-        let (scripts, reported) = put_named_shaders(&mut scene, &mut table, WorkingSpace::Rec709);
-        assert_eq!((scripts.len(), table.surfaces.len(), table.displacements.len()), (1, 1, 2));
+        let NamedShaders { surfaces, displacements, reported } =
+            put_named_shaders(&mut scene, &mut table, WorkingSpace::Rec709);
+        assert_eq!([surfaces.len(), table.surfaces.len()], [1; 2]);
+        assert_eq!([displacements.len(), table.displacements.len()], [2; 2]);
         assert_eq!(reported, Vec::<String>::new());
         assert_eq!(scene.material(moved).surface, Material::matte("", [0.5; 3]).surface, "as it was");
         let number = |id| scene.displacement(id).map(|displacement| displacement.offset);
@@ -153,8 +159,9 @@ mod tests {
         let good = named(&[("k", "0.25")], file.clone());
         let bad = [named(&[("j", "1")], file), named(&[], folder.path().join("none.osl"))];
         let mut table = ShaderTable::default();
-        let (scripts, reported) = put_named_shaders(&mut scene, &mut table, WorkingSpace::Rec709);
-        assert_eq!((scripts.len(), table.surfaces.len()), (1, 1));
+        let NamedShaders { surfaces, reported, .. } =
+            put_named_shaders(&mut scene, &mut table, WorkingSpace::Rec709);
+        assert_eq!((surfaces.len(), table.surfaces.len()), (1, 1));
         assert!(matches!(scene.material(good).surface, Surface::Shader(0)), "the good one");
         for id in bad {
             assert_eq!(scene.material(id).surface, Material::matte("", [0.5; 3]).surface, "as it was");

@@ -16,7 +16,8 @@ fn mean(folder: &Path, statements: &str) -> ([f32; 3], Vec<String>) {
     std::fs::write(&path, format!("{view}{statements}")).expect("a file");
     let mut scene = gnurt::load_scene(&path).unwrap_or_else(|e| panic!("{e}")).scene;
     let mut table = ShaderTable::default();
-    let (_, reported) = gnurt::put_named_shaders(&mut scene, &mut table, gnurt::image::WorkingSpace::Rec709);
+    let space = gnurt::image::WorkingSpace::Rec709;
+    let reported = gnurt::put_named_shaders(&mut scene, &mut table, space).reported;
     let pool = gnurt::thread_pool(0).expect("threads");
     let mut world = World::new();
     world.commit(&scene, &table, &CommitOptions::default(), &pool).expect("a world");

@@ -4,8 +4,10 @@
 //! `destination_from_source`, so products read left to right.
 //! Tests: `tests::{inverse_undoes, rotation_is_right_handed}`.
 
+use serde::{Deserialize, Serialize};
+
 /// `p' = m * p + t`; `m` is stored by columns, column 3 is `t`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Affine {
     /// Images of the x, y and z axes, then of the origin.
     pub columns: [[f64; 3]; 4],

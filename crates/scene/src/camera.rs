@@ -4,8 +4,10 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// A camera.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// A label.
     pub name: String,
@@ -43,7 +45,7 @@ impl Default for Camera {
 }
 
 /// The map from directions to positions in the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Projection {
     /// Straight lines stay straight; distant objects are smaller.
     #[default]
@@ -85,7 +87,7 @@ impl fmt::Display for Projection {
 
 /// A thin, round lens. The focus surface is a plane across the view; for fisheyes and panoramas it is a
 /// sphere.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lens {
     /// Its diameter in world units; 0 = a pinhole, all is in focus.
     pub aperture: f32,

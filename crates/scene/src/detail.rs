@@ -3,11 +3,13 @@
 //! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}, which define
 //! the numbers; \[CKB16\] (subsurface). Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
 
+use serde::{Deserialize, Serialize};
+
 use crate::medium::single_albedo;
 use crate::texture::TextureRef;
 
 /// The interior of solid glass. Glass that is thin has no inside.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interior {
     /// Transmittance of white light over the distance below, in `[0, 1]`.
     pub attenuation_color: [f32; 3],
@@ -76,7 +78,7 @@ impl Interior {
 }
 
 /// Anisotropic microfacets: rougher along one direction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Anisotropy {
     /// In `[0, 1]`; the facets' width along the direction goes from that of the roughness to 1 with its square.
     pub strength: f32,
@@ -87,7 +89,7 @@ pub struct Anisotropy {
 }
 
 /// A thin film, whose two sides' reflections interfere.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Iridescence {
     /// Share of the surface that it is on, in `[0, 1]`.
     pub factor: f32,
@@ -107,7 +109,7 @@ impl Default for Iridescence {
 }
 
 /// A body that scatters light through.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DiffuseTransmission {
     /// Share of the body's light that goes through, in `[0, 1]`.
     pub factor: f32,
@@ -123,7 +125,7 @@ impl Default for DiffuseTransmission {
 }
 
 /// Light that enters an opaque body, is scattered below its surface, and leaves elsewhere: skin, wax, marble, milk.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Subsurface {
     /// Share of the body's light that does so, in `[0, 1]`. Its colour is the base colour.
     pub factor: f32,

@@ -4,13 +4,15 @@
 //! keeps the meshes as they are; a world has the moved ones, so that trees, normals, lights and boxes follow.
 //! Space: object. Lengths are in the object's unit. Tests: crates/render/tests/displacement.rs.
 
+use serde::{Deserialize, Serialize};
+
 use crate::texture::TextureRef;
 
 /// How far and where to a material's surfaces are moved.
 ///
 /// Vertices of an object at the same position move together, by the mean of their offsets: at seams of texture coordinates, at
 /// hard edges and between meshes of different materials no cracks open. The direction is the mean of their normals.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Displacement {
     /// The offsets before `midlevel` and `scale`.
     pub offset: Offset,
@@ -23,7 +25,7 @@ pub struct Displacement {
 }
 
 /// Offsets over a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Offset {
     /// The same everywhere, along the normals.
     Constant(f32),
@@ -46,7 +48,7 @@ pub enum Offset {
 }
 
 /// Directions of vectors in a texture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum VectorSpace {
     /// The axes of the object.
     #[default]
@@ -57,7 +59,7 @@ pub enum VectorSpace {
 
 /// How meshes are cut to smaller triangles before they are moved. All meshes of an object are cut alike, by the finest of its
 /// materials. New vertices are in the middle of edges, so that no cracks open; normals are interpolated.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Refinement {
     /// They stay as they are.
     #[default]

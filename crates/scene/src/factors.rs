@@ -9,6 +9,8 @@
 //! upwards: `uv_from_mesh`.
 //! Tests: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
 
+use serde::{Deserialize, Serialize};
+
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::id::TextureId;
 use crate::layer_textures::LayerTextures;
@@ -23,7 +25,7 @@ const GLASS_ROUGHNESS: f32 = 0.05;
 const CLEAR: f32 = 0.99;
 
 /// The factors of a glTF material. The defaults are glTF's.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Factors {
     /// A label.
     pub name: String,
@@ -104,7 +106,7 @@ pub struct Factors {
 }
 
 /// The use of the opacity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AlphaMode {
     /// Nothing.
     #[default]
@@ -116,7 +118,7 @@ pub enum AlphaMode {
 }
 
 /// A texture and how it is moved.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MappedTexture {
     /// The texture.
     pub texture: TextureId,
@@ -127,7 +129,7 @@ pub struct MappedTexture {
 }
 
 /// KHR_texture_transform, in glTF's coordinates: v downwards.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TextureTransform {
     /// Moved by this, last.
     pub offset: [f32; 2],

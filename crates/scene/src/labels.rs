@@ -4,10 +4,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, ObjectId};
 
 /// Facts about a scene's parts.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Labels {
     /// Names of lights without a surface.
     pub lights: BTreeMap<LightId, String>,
@@ -38,7 +41,7 @@ pub struct Labels {
 }
 
 /// The instances that a light reaches, and those that stop it; `None` = all.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LightLinks {
     /// Instances that are lit.
     pub lit: Option<Vec<InstanceId>>,
@@ -47,7 +50,7 @@ pub struct LightLinks {
 }
 
 /// Something that gives off light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Shining {
     /// A light without a surface.
     Light(LightId),
@@ -112,7 +115,7 @@ impl Labels {
 }
 
 /// A light with a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Luminaire {
     /// A rectangle.
     Rect,
@@ -149,4 +152,22 @@ pub struct ControlMesh {
     pub level: u32,
     /// Triangles of its faces, cut into fans.
     pub triangles: u64,
+}
+
+/// The rules that a control mesh may have.
+const SCHEMES: [&str; 3] = ["catmullClark", "loop", "bilinear"];
+
+impl Serialize for ControlMesh {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (self.scheme, self.level, self.triangles).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for ControlMesh {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (word, level, triangles) = <(String, u32, u64)>::deserialize(deserializer)?;
+        let scheme = SCHEMES.into_iter().find(|scheme| *scheme == word);
+        let scheme = scheme.ok_or_else(|| D::Error::custom("a scheme of subdivision is unknown"))?;
+        Ok(Self { scheme, level, triangles })
+    }
 }

@@ -3,8 +3,10 @@
 //! Source: KHR_materials_{clearcoat, diffuse_transmission, iridescence, sheen, specular, transmission}, which
 //! define the channels. Without a texture the factor counts alone. Tests: `tests/gltf.rs::layers_have_textures`.
 
+use serde::{Deserialize, Serialize};
+
 /// The textures, of whatever form a texture has.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LayerTextures<T> {
     /// Alpha: strength of the dielectric reflection.
     pub specular: Option<T>,

@@ -27,6 +27,7 @@ pub mod primitives;
 mod ray_mask;
 mod scene;
 mod shader_file;
+pub mod snapshot;
 mod tangents;
 pub mod texture;
 pub mod volume_cells;

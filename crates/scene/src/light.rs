@@ -4,11 +4,13 @@
 //! ones all over the scene: no efficacy is applied (docs/decisions/0019).
 //! Space: world. Colours are linear.
 
+use serde::{Deserialize, Serialize};
+
 use crate::affine::Affine;
 use crate::id::TextureId;
 
 /// A light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Light {
     /// From a point to all sides.
     Point {

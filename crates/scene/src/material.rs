@@ -3,6 +3,8 @@
 //! Source: glTF 2.0 section 3.9 and appendix B (metallic-roughness); Wavefront MTL; \[DWBS03\] for shader slots.
 //! Conventions: surfaces scatter on both sides; emission leaves the side of the geometric normal only; colours are linear.
 
+use serde::{Deserialize, Serialize};
+
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence, Subsurface};
 use crate::id::MediumId;
 use crate::layer_textures::LayerTextures;
@@ -10,7 +12,7 @@ use crate::medium::{Medium, Phase};
 pub use crate::texture::TextureRef;
 
 /// The appearance of a surface: scattering, emission, opacity.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// A label; need not be unique.
     pub name: String,
@@ -33,7 +35,7 @@ pub struct Material {
 }
 
 /// A linear colour, multiplied by a texture where there is one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Color {
     /// Linear red, green and blue, usually in `[0, 1]`.
     pub factor: [f32; 3],
@@ -53,7 +55,7 @@ impl Color {
 pub(crate) const DEFAULT_ALBEDO: f32 = 0.6;
 
 /// Scattering models.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Surface {
     /// Lambertian reflector.
     Matte {
@@ -190,7 +192,7 @@ impl Surface {
 }
 
 /// glTF's metal and plastic with its extensions.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Principled {
     /// Albedo of the dielectric part, tint of its glass, normal reflectance of the metal part.
     pub base_color: Color,
@@ -272,7 +274,7 @@ pub enum TextureRole {
 }
 
 /// A normal map.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NormalMap {
     /// Tangent-space normals, `2 texel - 1`.
     pub texture: TextureRef,
@@ -281,7 +283,7 @@ pub struct NormalMap {
 }
 
 /// A bump map: heights that bend normals and leave the surface unchanged.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BumpMap {
     /// Heights, by their luminance; bytes are linear.
     pub texture: TextureRef,
@@ -291,7 +293,7 @@ pub struct BumpMap {
 }
 
 /// Where a surface is not there.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Alpha {
     /// There everywhere.
     #[default]
@@ -311,7 +313,7 @@ pub enum Alpha {
 }
 
 /// Opacity in `[0, 1]`: a factor, times a channel of a texture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Opacity {
     /// Multiplied to the texture's value.
     pub factor: f32,
@@ -322,7 +324,7 @@ pub struct Opacity {
 }
 
 /// Where a texture keeps opacity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum OpacityChannel {
     /// In its alpha (glTF base colour).
     Alpha,

@@ -6,10 +6,12 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use crate::affine::Affine;
 
 /// A medium that absorbs, scatters or gives off light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Medium {
     /// A label; need not be unique.
     pub name: String,
@@ -32,7 +34,7 @@ pub struct Medium {
 }
 
 /// Where a medium is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Extent {
     /// Inside the closed surfaces whose materials name it. Their normals point out.
     #[default]
@@ -49,7 +51,7 @@ pub enum Extent {
 }
 
 /// A phase function: two lobes of Henyey and Greenstein.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
     /// Mean cosine of the first lobe, in (-1, 1): above 0 = forward.
     pub anisotropy: f32,
@@ -60,7 +62,7 @@ pub struct Phase {
 }
 
 /// Numbers in space, in the cells of a box.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DensityGrid {
     /// Columns, rows and layers.
     pub size: [u32; 3],

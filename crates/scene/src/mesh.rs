@@ -3,13 +3,15 @@
 //! Attribute rates after the paper's Figure 1 (parameters per triangle and per vertex).
 //! Space: object. Invariant: after `Scene::check` every index is below `positions.len()` and optional arrays are empty or full.
 
+use serde::{Deserialize, Serialize};
+
 use crate::id::MaterialId;
 use crate::primitives::Primitives;
 
 /// Indexed triangles, curves or spheres with one material.
 ///
 /// The geometric normal of a triangle is `(p1 - p0) x (p2 - p0)`: counter-clockwise vertices, right-hand rule.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// A label; need not be unique.
     pub name: String,
@@ -45,7 +47,7 @@ pub const TEXCOORD_RQ: &str = "texcoord_rq";
 pub const TEXCOORD_1: &str = "texcoord_1";
 
 /// A named value per triangle or per vertex.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attribute {
     /// The name that a shader requests.
     pub name: String,
@@ -58,7 +60,7 @@ pub struct Attribute {
 }
 
 /// How often a value changes over a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Rate {
     /// One value per triangle, segment of a curve or sphere.
     Triangle,

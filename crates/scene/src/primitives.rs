@@ -3,8 +3,10 @@
 //! Space: object. Invariant: after `Scene::check` there is a radius for each vertex, and each segment has all of its vertices.
 //! Tests: `tests`, those of `check`; crates/render/tests/curves.rs.
 
+use serde::{Deserialize, Serialize};
+
 /// The surfaces that vertices make.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Primitives {
     /// The triangles of `Mesh::indices`.
     #[default]
@@ -16,7 +18,7 @@ pub enum Primitives {
 }
 
 /// Curves with a width. A segment is a primitive: a hit's `prim_id` is an index into `segments`.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Curves {
     /// How vertices make points.
     pub basis: CurveBasis,
@@ -35,7 +37,7 @@ pub struct Curves {
 }
 
 /// How the vertices of a curve make its points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CurveBasis {
     /// Straight, between a vertex and the next one.
     #[default]
@@ -49,7 +51,7 @@ pub enum CurveBasis {
 }
 
 /// The surface of a curve.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CurveForm {
     /// A ribbon that faces each ray, shaded as the tube that it stands for: for hair thinner than a pixel.
     Flat,

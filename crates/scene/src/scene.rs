@@ -8,6 +8,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use crate::affine::Affine;
 use crate::animation::{Animation, Playback};
 use crate::camera::Camera;
@@ -25,7 +27,7 @@ use crate::shader_file::ShaderFile;
 use crate::texture::Texture;
 
 /// Meshes that share one acceleration structure and move together.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Object {
     /// A label; need not be unique.
     pub name: String,
@@ -39,7 +41,7 @@ pub struct Object {
 }
 
 /// An object within another.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Member {
     /// The nested object.
     pub object: ObjectId,
@@ -58,7 +60,7 @@ impl Member {
 }
 
 /// An object put somewhere.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Instance {
     /// A label; need not be unique.
     pub name: String,
@@ -73,6 +75,7 @@ pub struct Instance {
 }
 
 /// Objects, instances, materials, textures, lights and cameras, their animation, and the log of edits.
+// A new field goes into `snapshot`, too.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     meshes: Vec<Arc<Mesh>>,

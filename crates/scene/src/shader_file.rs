@@ -6,10 +6,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use crate::id::TextureId;
 
 /// A file in the shading language, and values for its parameters.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ShaderFile {
     /// The file; of a shader in memory the name that messages call it.
     pub file: PathBuf,

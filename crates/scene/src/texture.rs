@@ -5,6 +5,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 pub use gnurt_image::{TexelData, Texels};
 
 use crate::id::TextureId;
@@ -23,7 +25,7 @@ pub struct Texture {
 }
 
 /// Behaviour of a texture outside `[0, 1]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Wrap {
     /// The picture repeats.
     #[default]
@@ -35,7 +37,7 @@ pub enum Wrap {
 }
 
 /// How a point between texel centres is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Filter {
     /// The nearest texel.
     Nearest,
@@ -45,7 +47,7 @@ pub enum Filter {
 }
 
 /// A texture and the transform from the mesh's texture coordinates to its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TextureRef {
     /// The texture.
     pub texture: TextureId,
@@ -56,7 +58,7 @@ pub struct TextureRef {
 }
 
 /// One of a mesh's two sets of texture coordinates.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum TexcoordSet {
     /// [`Mesh::texcoords`](crate::Mesh::texcoords).
     #[default]

@@ -17,4 +17,5 @@ mod mutations;
 mod obj;
 mod ply;
 mod save;
+mod snapshot;
 mod solids;

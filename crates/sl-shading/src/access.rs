@@ -24,6 +24,8 @@ pub struct Access {
     pub confined_to: Option<PathBuf>,
     /// Folders that `#include` searches after the shader's own.
     pub includes: Vec<String>,
+    /// Source texts in memory, by their paths. They come before files.
+    pub texts: Arc<HashMap<PathBuf, String>>,
     /// Pictures in memory, by the names that shaders call them. They come before files.
     pub pictures: Arc<HashMap<String, Arc<TextureSampler>>>,
     /// The cache of their machine code.
@@ -44,11 +46,19 @@ impl Access {
         }
     }
 
+    /// Whether there is a text of this path.
+    pub(crate) fn has(&self, path: &Path) -> bool {
+        self.texts.contains_key(path) || path.is_file()
+    }
+
     /// The text of a file.
     ///
     /// # Errors
     /// Why it cannot be read.
     pub fn text(&self, path: &Path) -> Result<String, String> {
+        if let Some(text) = self.texts.get(path) {
+            return Ok(text.clone());
+        }
         if !self.allows(path) {
             return Err("it is outside of the folder that files may come from".to_owned());
         }

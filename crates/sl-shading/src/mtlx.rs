@@ -25,6 +25,8 @@ pub(crate) struct Written {
     pub(crate) text: String,
     /// All files of the document.
     pub(crate) files: Vec<PathBuf>,
+    /// The texts that were read.
+    pub(crate) texts: Vec<(PathBuf, String)>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -32,21 +34,35 @@ pub(crate) struct Written {
 mod reading {
     use gnurt_materialx::Document;
 
-    use super::{Access, Path, Written};
+    use super::{Access, Path, PathBuf, Written};
 
     /// The document of a file, or of its text; what it includes is searched as `#include` is.
-    fn document(file: &Path, text: Option<&str>, access: &Access) -> Result<Document, String> {
+    fn document(
+        file: &Path,
+        text: Option<&str>,
+        access: &Access,
+    ) -> Result<(Document, Vec<(PathBuf, String)>), String> {
+        let mut texts: Vec<(PathBuf, String)> =
+            text.iter().map(|text| (file.to_owned(), (*text).to_owned())).collect();
         let mut load = |path: &Path| {
+            let folders = access.includes.iter().map(Path::new);
+            let others = path.file_name().map(|name| folders.map(move |folder| folder.join(name)));
             let first = access.text(path);
-            let Some(name) = path.file_name().filter(|_| first.is_err()) else { return first };
-            let mut others = access.includes.iter().map(|folder| Path::new(folder).join(name));
-            others.find_map(|path| access.text(&path).ok()).map_or(first, Ok)
+            let found = match &first {
+                Ok(text) => Some((path.to_owned(), text.clone())),
+                Err(_) => others
+                    .into_iter()
+                    .flatten()
+                    .find_map(|path| Some((path.clone(), access.text(&path).ok()?))),
+            };
+            texts.extend(found.clone());
+            found.map_or(first, |(_, text)| Ok(text))
         };
         let read = match text {
             Some(text) => Document::of_text(file, text, &mut load),
             None => Document::open(file, &mut load),
         };
-        read.map_err(|error| error.to_string())
+        Ok((read.map_err(|error| error.to_string())?, texts))
     }
 
     /// The text of a document's node.
@@ -56,10 +72,10 @@ mod reading {
         text: Option<&str>,
         access: &Access,
     ) -> Result<Written, String> {
-        let document = document(file, text, access)?;
+        let (document, texts) = document(file, text, access)?;
         let made = document.shader(node).map_err(|error| error.to_string())?;
         let files = document.paths().map(Path::to_owned).collect();
-        Ok(Written { text: made.text, files, warnings: made.warnings })
+        Ok(Written { text: made.text, files, texts, warnings: made.warnings })
     }
 
     /// The names of a document's materials.
@@ -67,7 +83,7 @@ mod reading {
     /// # Errors
     /// It cannot be read.
     pub fn materials(file: &Path, access: &Access) -> Result<Vec<String>, String> {
-        Ok(document(file, None, access)?.materials())
+        Ok(document(file, None, access)?.0.materials())
     }
 }
 

@@ -114,9 +114,13 @@ pub struct Script {
     name: String,
     kind: Kind,
     group: Group,
+    /// The path of its caller: a file, an embedded one, or a file and the node of a document.
+    path: PathBuf,
     /// Where it is read from again: its file, and the node of a document.
     origin: Option<PathBuf>,
     files: Vec<PathBuf>,
+    /// Their texts.
+    texts: Vec<(PathBuf, String)>,
     warnings: Vec<String>,
     textures: Arc<Textures>,
     faults: Arc<Faults>,
@@ -134,7 +138,7 @@ impl Script {
     /// error.
     pub fn open(path: &Path, access: &Access) -> Result<Self, String> {
         if let Some(text) = library::text(path) {
-            return Self::made(path, text, access, Vec::new());
+            return Self::made(path, text, access, true);
         }
         if let Some((file, node)) = mtlx::split(&path.to_string_lossy()) {
             return Self::of_document(path, Path::new(file), node, None, access);
@@ -153,7 +157,7 @@ impl Script {
     pub fn from_text(path: &Path, text: &str, access: &Access) -> Result<Self, String> {
         match mtlx::split(&path.to_string_lossy()) {
             Some((file, node)) => Self::of_document(path, Path::new(file), node, Some(text), access),
-            None => Self::made(path, text, access, vec![path.to_owned()]),
+            None => Self::made(path, text, access, false),
         }
     }
 
@@ -166,15 +170,19 @@ impl Script {
         access: &Access,
     ) -> Result<Self, String> {
         let written = mtlx::written(file, node, text, access)?;
-        let mut script = Self::made(file, &written.text, access, written.files)?;
-        script.origin = Some(path.to_owned());
+        let mut script = Self::made(file, &written.text, access, true)?;
+        (script.path, script.origin) = (path.to_owned(), Some(path.to_owned()));
+        // The text that was compiled is in no file, but it may have included some.
+        script.files.splice(..0, written.files);
+        script.texts.splice(..0, written.texts);
         // Those of the compiler are about a text that the document's author has not written.
         script.warnings = written.warnings;
         Ok(script)
     }
 
-    fn made(path: &Path, text: &str, access: &Access, files: Vec<PathBuf>) -> Result<Self, String> {
-        let reader = Reader { access, files: RefCell::new(files), warnings: RefCell::default() };
+    fn made(path: &Path, text: &str, access: &Access, is_in_no_file: bool) -> Result<Self, String> {
+        let texts = if is_in_no_file { Vec::new() } else { vec![(path.to_owned(), text.to_owned())] };
+        let reader = Reader { access, texts: RefCell::new(texts), warnings: RefCell::default() };
         let folder = path.parent().map(Path::to_owned).unwrap_or_default();
         let is_group = path.extension().is_some_and(|end| end == "oslgroup");
         let mut group = Group::default();
@@ -203,13 +211,16 @@ impl Script {
         if kind == Kind::Surface && is_black {
             reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black"));
         }
-        let files = reader.files.into_inner();
+        let texts = reader.texts.into_inner();
+        let files: Vec<PathBuf> = texts.iter().map(|(path, _)| path.clone()).collect();
         Ok(Self {
             name,
             kind,
             group,
+            path: path.to_owned(),
             origin: files.first().cloned(),
             files,
+            texts,
             warnings: reader.warnings.into_inner(),
             textures: Arc::new(Textures::new(access.clone(), folder)),
             faults: Arc::default(),
@@ -304,6 +315,22 @@ impl Script {
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {
         &self.files
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(crate) fn texts(&self) -> &[(PathBuf, String)] {
+        &self.texts
+    }
+
+    pub(crate) fn access(&self) -> &Access {
+        &self.access
+    }
+
+    pub(crate) fn given(&self) -> &[(String, ParameterValue)] {
+        &self.given
     }
 
     /// Warnings of the compiler.
@@ -765,10 +792,10 @@ fn each_op(shader: &Shader, with: &mut dyn FnMut(&Op)) {
     ops(&shader.code, &mut with);
 }
 
-/// Reads files, and records which.
+/// Reads files, and records their texts.
 struct Reader<'a> {
     access: &'a Access,
-    files: RefCell<Vec<PathBuf>>,
+    texts: RefCell<Vec<(PathBuf, String)>>,
     warnings: RefCell<Vec<String>>,
 }
 
@@ -805,7 +832,7 @@ impl Reader<'_> {
                 return Some(text.to_owned());
             }
             let text = self.access.text(path).ok()?;
-            self.files.borrow_mut().push(path.to_owned());
+            self.texts.borrow_mut().push((path.to_owned(), text.clone()));
             Some(text)
         };
         let options = Options { includes: self.access.includes.clone(), ..Options::default() };
@@ -830,13 +857,13 @@ impl Reader<'_> {
             let file = [name.to_owned(), format!("{name}.osl"), format!("{name}.oso")]
                 .into_iter()
                 .map(|name| folder.join(name))
-                .find(|file| file.is_file());
+                .find(|file| self.access.has(file));
             let made = match file {
                 None => {
                     Err(format!("shader '{name}' is missing: the folder has no {name}.osl or {name}.oso"))
                 }
                 Some(file) => self.access.text(&file).and_then(|text| {
-                    self.files.borrow_mut().push(file.clone());
+                    self.texts.borrow_mut().push((file.clone(), text.clone()));
                     self.shader(&file, &text)
                 }),
             };

@@ -22,6 +22,8 @@ mod mtlx;
 mod outputs;
 #[path = "scripts/pixels.rs"]
 mod pixels;
+#[path = "scripts/recipes.rs"]
+mod recipes;
 #[path = "scripts/relief.rs"]
 mod relief;
 #[path = "scripts/stored.rs"]

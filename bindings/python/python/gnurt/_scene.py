@@ -77,6 +77,24 @@ class Scene(_Scene):
 
     __slots__ = ()
 
+    def __reduce__(self):
+        return _restored, (type(self), self.__getstate__()), getattr(self, "__dict__", None) or None, None, None, _add_attributes
+
+    def __copy__(self):
+        return self._copied(getattr(self, "__dict__", {}))
+
+    def __deepcopy__(self, memo):
+        import copy
+
+        return self._copied(copy.deepcopy(getattr(self, "__dict__", {}), memo))
+
+    def _copied(self, attributes):
+        # Arrays are shared until one of both changes them, and shaders are not compiled again.
+        scene = Scene.__new__(type(self))
+        scene._take(self)
+        _add_attributes(scene, attributes)
+        return scene
+
     def add_material(self, name="", **properties):
         """The number of a new material.
 
@@ -430,6 +448,19 @@ def read_volume(path, names=None):
     which the array fills, to the world. `Scene.add_medium` takes both.
     """
     return _read_volume(os.fspath(path), names)
+
+
+def _restored(cls, state):
+    """The scene of a pickle."""
+    scene = Scene.__new__(cls)
+    scene.__setstate__(state)
+    return scene
+
+
+def _add_attributes(scene, attributes):
+    """Those of classes that are derived from `Scene`."""
+    for name, value in (attributes or {}).items():
+        setattr(scene, name, value)
 
 
 def _texture(source, name, colorspace, wrap, filter):

@@ -8,12 +8,14 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use crate::affine::Affine;
 use crate::id::MeshId;
 use crate::mesh::Mesh;
 
 /// A mesh that bends.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// The scene's mesh that shows it.
     pub mesh: MeshId,
@@ -30,7 +32,7 @@ pub struct Body {
 }
 
 /// A morph target: the displacement at weight one.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Morph {
     /// To positions.
     pub positions: Deltas,
@@ -49,7 +51,7 @@ impl Morph {
 }
 
 /// Something added to some vertices.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Deltas {
     /// Which vertices; `None` = all in order.
     vertices: Option<Vec<u32>>,
@@ -122,7 +124,7 @@ impl Deltas {
 }
 
 /// Joints and weights of vertices; a vertex may have any number.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Influences {
     /// Where the joints of each vertex begin; one more at the end.
     starts: Vec<u32>,

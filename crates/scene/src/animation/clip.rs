@@ -5,10 +5,12 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::sampler::Sampler;
 
 /// A piece of animation that is played by itself.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Clip {
     /// A label; may be empty, need not be unique.
     pub name: String,
@@ -27,7 +29,7 @@ impl Clip {
 }
 
 /// A value over time and its target.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
     /// The driven value.
     pub target: Target,
@@ -36,7 +38,7 @@ pub struct Channel {
 }
 
 /// The target of a channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Target {
     /// Where a node is: 3 numbers.
     Translation(u32),
@@ -59,7 +61,7 @@ pub enum Target {
 }
 
 /// Parts of a light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LightPart {
     /// 3 numbers.
     Color,
@@ -72,7 +74,7 @@ pub enum LightPart {
 }
 
 /// Parts of a material: the fields of [`Factors`](crate::factors::Factors).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "named as what they are parts of")]
 pub enum FactorPart {
     BaseColor,
@@ -110,7 +112,7 @@ pub enum FactorPart {
 }
 
 /// Parts of a texture's transform.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "named as in KHR_texture_transform")]
 pub enum TexturePart {
     Offset,

@@ -3,10 +3,12 @@
 //! Source: glTF 2.0 section 3.5.2; slerp after appendix C.4, on the shorter way. Double precision.
 //! Quaternions are `x y z w`, of any length but zero. Tests: `tests`.
 
+use serde::{Deserialize, Serialize};
+
 use crate::affine::Affine;
 
 /// Where a node is relative to its parent.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Local {
     /// As one matrix, which channels never change.
     Matrix(Affine),
@@ -26,7 +28,7 @@ impl Local {
 }
 
 /// Scale first, then rotation, then translation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trs {
     /// Moved by this.
     pub translation: [f64; 3],

@@ -3,6 +3,8 @@
 //! Source: after glTF 2.0. Only moving nodes are here; a fixed node is folded into a matrix. Invariants: a
 //! node follows its parent in the list; every index is in range. Checked by `Scene::animate`.
 
+use serde::{Deserialize, Serialize};
+
 use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::factors::Factors;
@@ -14,7 +16,7 @@ use super::clip::Clip;
 use super::local::Local;
 
 /// The moving parts and their motion.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Animation {
     /// Clips that can be played.
     pub clips: Vec<Clip>,
@@ -43,7 +45,7 @@ pub struct Animation {
 }
 
 /// A node that can move.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Node {
     /// A label.
     pub name: String,
@@ -56,7 +58,7 @@ pub struct Node {
 }
 
 /// The attachment of a thing.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Attachment {
     /// On a node that can move.
     On(u32),
@@ -70,7 +72,7 @@ pub enum Attachment {
 }
 
 /// An instance that goes with a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MovingInstance {
     /// Which.
     pub instance: InstanceId,
@@ -85,7 +87,7 @@ pub struct MovingInstance {
 ///
 /// The node's transform becomes the member's transform in the object that holds it. Its visibility depends on
 /// the object's instances and the member's mask; the node does not affect it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MovingMember {
     /// The object that holds it.
     pub object: ObjectId,
@@ -96,7 +98,7 @@ pub struct MovingMember {
 }
 
 /// Joints of a skin.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Skin {
     /// Its joints.
     pub joints: Vec<Joint>,
@@ -105,7 +107,7 @@ pub struct Skin {
 }
 
 /// A joint of a skin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
     /// Where it is.
     pub attachment: Attachment,
@@ -114,7 +116,7 @@ pub struct Joint {
 }
 
 /// A camera that moves, or whose angle of view is driven.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MovingCamera {
     /// Which.
     pub camera: CameraId,
@@ -125,7 +127,7 @@ pub struct MovingCamera {
 }
 
 /// A light that moves, or whose factors are driven.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MovingLight {
     /// Which.
     pub light: LightId,
@@ -136,7 +138,7 @@ pub struct MovingLight {
 }
 
 /// A material whose factors are driven.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MovingMaterial {
     /// Which.
     pub material: MaterialId,
@@ -145,7 +147,7 @@ pub struct MovingMaterial {
 }
 
 /// Kinds of light that nodes have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LightKind {
     /// To all sides.
     Point,
@@ -156,7 +158,7 @@ pub enum LightKind {
 }
 
 /// Factors of a light, except its position and direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightFactors {
     /// The kind of light.
     pub kind: LightKind,

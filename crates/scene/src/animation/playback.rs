@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Playback {
     /// Whether a pose was shown.
-    pub(super) is_begun: bool,
+    pub(crate) is_begun: bool,
     /// By body.
     pub(super) bodies: Vec<Shown>,
     /// By moving instance.

@@ -8,10 +8,12 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::local::{slerp, unit};
 
 /// How values go from key to key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
     /// They stay until the next key.
     Step,
@@ -57,7 +59,7 @@ pub enum SamplerError {
 }
 
 /// Keys of a value of `width` numbers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sampler {
     times: Arc<[f32]>,
     values: Vec<f32>,
