@@ -28,6 +28,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     installed::check(&[])?;
     first_picture(&readme_commands)?;
     python::run(&[])?;
+    python::run(&["--free-threaded".to_owned()])?;
     eprintln!("all checks passed");
     Ok(())
 }

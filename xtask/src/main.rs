@@ -8,6 +8,7 @@ mod ci;
 mod command;
 mod dist;
 mod failure;
+mod free_threads;
 mod install;
 mod installed;
 mod notices;
@@ -49,7 +50,7 @@ const CHORES: [Chore; 13] = [
     },
     Chore {
         name: "python",
-        about: "build the Python package's compiled part, and run its tests",
+        about: "build the Python package's compiled part, and run its tests: [--free-threaded [INTERPRETER]]",
         run: python::run,
     },
     Chore {

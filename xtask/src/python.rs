@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `cargo xtask python`: builds the Python package's compiled part into its source folder, and runs its tests.
+//! `--free-threaded [INTERPRETER]`: with a free-threaded interpreter, in a folder of their own (`free_threads`).
 //! The wheel itself is maturin's business (`pip install ./bindings/python`).
 
 use std::path::Path;
@@ -7,6 +8,7 @@ use std::process::{Command, Stdio};
 
 use crate::command;
 use crate::failure::Failure;
+use crate::free_threads;
 use crate::workspace::Workspace;
 
 /// Packages for the tests.
@@ -23,8 +25,11 @@ const INSTALL: [&str; 5] = ["-m", "pip", "install", "--quiet", "--disable-pip-ve
 
 /// Builds and tests. Without a supported Python, or without its packages, that is reported and skipped.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
-    if let Some(argument) = arguments.first() {
-        return Err(format!("python takes no arguments, not '{argument}'"));
+    match arguments {
+        [] => {}
+        [option] if option == "--free-threaded" => return free_threads::run(None),
+        [option, interpreter] if option == "--free-threaded" => return free_threads::run(Some(interpreter)),
+        _ => return Err("usage: python [--free-threaded [INTERPRETER]]".into()),
     }
     // With the same features of libraries as the tests' build: otherwise half of the crates would be compiled
     // again.
