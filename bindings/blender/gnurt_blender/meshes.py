@@ -61,6 +61,15 @@ class MeshArrays:
             return flat(mesh.vertex_normals, "vector", np.float32, 3)
         return flat(mesh.corner_normals, "vector", np.float32, 3)[self.loops]
 
+    def shading_normals(self):
+        """Normals per vertex or corner, those of flat faces, too."""
+        if self.normals is not None:
+            return self.normals
+        p = self.vertices[self.faces]
+        faces = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+        faces /= np.maximum(np.linalg.norm(faces, axis=1, keepdims=True), 1e-30)
+        return np.repeat(faces[:, None], 3, axis=1)
+
     def uv(self, name):
         """Texture coordinates per corner, (triangles, 3, 2), or None."""
         layers = self.mesh.uv_layers
@@ -224,6 +233,10 @@ def attribute(arrays, name, warn):
             base = np.linalg.norm(p[:, (k + 2) % 3] - p[:, (k + 1) % 3], axis=1)
             made[:, k, k] = area / np.maximum(base, 1e-20)
         return made
+    if kind == "rest":
+        return arrays.vertices
+    if kind == "rest_normal":
+        return arrays.shading_normals()
     if kind == "box_low":
         return np.tile(np.asarray(box(mesh)[0], np.float32), (len(arrays.vertices), 1))
     if kind == "box_scale":

@@ -12,7 +12,7 @@ from . import aovs, cameras, catchers, dicing, hashes, images, links, meshes, mo
 from .kept import Recorder, digest
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
-from .nodes.surfaces import bump_of_displacement, displacement
+from .nodes.surfaces import bump_of_displacement, bump_of_moved, displacement
 from .nodes.tree import fed_by
 from .warned import Warned
 
@@ -34,6 +34,8 @@ class Surroundings:
         self.holdout = False
         self.masks = export.masks
         self.random_id = 0
+        # Whether its vertices are moved; textures stay where they were before.
+        self.moves = False
 
     @property
     def owner(self):
@@ -52,7 +54,11 @@ class Surroundings:
         if code.kind == "environment":
             return "vector(normalize(I))"
         low, scale = code.attribute("vector", "box_low"), code.attribute("vector", "box_scale")
-        return code.var("vector", f'(vector(transform("object", P)) - {low}) * {scale}')
+        at = 'vector(transform("object", P))'
+        if self.moves and not code.relief:
+            code.need("bump")
+            at = code.var("vector", f"b_moved({code.attribute('vector', 'rest')}, {at})")
+        return code.var("vector", f"({at} - {low}) * {scale}")
 
     def world_from_object(self):
         return np.array((self.instance if self.instance is not None else self.object).matrix_world)
@@ -396,15 +402,19 @@ class Export:
             return self.shader(f"surface blender_plain () {{ Ci = color({color}) * diffuse(N); }}", material.name, {}), {}, False
         host = Surroundings(self, material, found, mesh, slot, instance)
         host.random_id = instance.random_id if instance.is_instance else hashes.of_name(found.name)
-        key = (material.as_pointer(), host.active_uv(), dicing.longest_edge(self, found))
+        key = (material.as_pointer(), host.active_uv(), dicing.longest_edge(self, found), mesh is None)
         if key in self.materials:
             return self.materials[key]
         code = Code("surface", host)
         output = tree.get_output_node("CYCLES")
         result, medium = [], None
         if output is not None:
-            if output.inputs["Displacement"].is_linked and material.displacement_method == "BUMP":
+            has_relief, method = output.inputs["Displacement"].is_linked, material.displacement_method
+            host.moves = has_relief and mesh is not None and method != "BUMP"
+            if has_relief and method == "BUMP":
                 bump_of_displacement(code, tree, output)
+            elif host.moves and method == "BOTH":
+                bump_of_moved(code, tree, output)
             medium = volumes.of_body(self, code, tree, output, found, np.array(instance.matrix_world)) if mesh is not None and not self.masks else None
             surface = compile_tree(code, tree, output.inputs["Surface"])
             result = [f"Ci = {surface};"] if surface else []

@@ -1004,6 +1004,41 @@ def displaced_truly():
 
 
 @scene
+def displaced_and_bumped():
+    """Relief that is finer than the mesh, on a coarse ball, a fine one, and a cube of flat faces."""
+    floor()
+    for x, segments in ((-1.5, 24), (0.2, 128)):
+        made = moved(f"both {segments}", "BOTH", scale=0.3, Scale=6.0)
+        shape("uv_sphere", (x, 0, 1.1), made, True, radius=0.8, segments=segments, ring_count=segments // 2)
+    cube = shape("cube", (1.7, 0, 0.9), moved("both flat", "BOTH", scale=0.2, Scale=6.0), False, size=1.1)
+    finer = cube.modifiers.new("finer", "SUBSURF")
+    finer.subdivision_type, finer.levels, finer.render_levels = "SIMPLE", 3, 3
+    lit()
+
+
+@scene
+def displaced_vectors_and_bumped():
+    floor()
+    for x, segments in ((-1.0, 24), (1.0, 128)):
+        made = moved(f"both {segments}", "BOTH", "ShaderNodeVectorDisplacement", scale=0.4)
+        next(node for node in made.node_tree.nodes if node.type == "VECTOR_DISPLACEMENT").space = "OBJECT"
+        shape("uv_sphere", (x, 0, 1.2), made, True, radius=0.8, segments=segments, ring_count=segments // 2)
+    lit()
+
+
+@scene
+def displaced_colors():
+    """Colours by generated coordinates stay where they were before the displacement."""
+    floor()
+    made = moved("striped", "DISPLACEMENT", scale=0.8)
+    tree, output, shader = nodes_of(made)
+    stripes = tree.nodes.new("ShaderNodeTexWave")
+    tree.links.new(stripes.outputs["Color"], shader.inputs["Base Color"])
+    shape("uv_sphere", (0, 0, 1.2), made, True, radius=0.8, segments=128, ring_count=64)
+    lit()
+
+
+@scene
 def displaced_lamp():
     """A shining ball that displacement makes larger, and a cube of hard edges that is cut finer."""
     floor()

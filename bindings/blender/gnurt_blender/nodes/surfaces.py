@@ -381,6 +381,23 @@ def bump_of_displacement(code, tree, output):
     code.line(f"N = b_bump(N, {height}, Dx({height}), Dy({height}), 1.0, 1.0);")
 
 
+def bump_of_moved(code, tree, output):
+    """The same where vertices have moved, too: the normal is that of the surface before, changed by all of the displacement, so that relief
+    between vertices shows."""
+    code.need("bump")
+    code.relief = code.var("vector", f"normalize({code.attribute('vector', 'rest_normal')})")
+    code.line(f'N = normalize(transform("object", "world", normal({code.relief})));')
+    code.line("point moved = P;")
+    code.line(f'P = b_rest(transform("object", "world", point({code.attribute("vector", "rest")})), N);')
+    offset = socket_value(code, tree, output.inputs["Displacement"], None, "vector", "vector(0)")
+    offset = code.var("vector", f'transform("object", "world", vector({offset}))')
+    code.line(f"N = b_relief(N, Dx({offset}), Dy({offset}));")
+    code.line("N = backfacing() ? -N : N;")
+    # Other nodes of the surface are those of the moved point.
+    code.line("P = moved;")
+    code.made, code.relief = {}, None
+
+
 def displacement(code, tree, output):
     """The text of a shader that moves vertices."""
     code.moves = True

@@ -61,6 +61,8 @@ class Code:
         self.uses_object = False
         # Whether it moves vertices; then the space of the object is that of points and vectors.
         self.moves = False
+        # The normal before vertices moved, in the object's space, while the relief of a surface is computed that has moved.
+        self.relief = None
 
     def warn(self, line):
         self.host.warn(line)

@@ -146,23 +146,34 @@ def normal_map(p):
 @node("DISPLACEMENT")
 def displacement(p):
     height = f"({p.f('Height')} - {p.f('Midlevel')}) * {p.f('Scale')}"
-    # `surfaces` turns heights into bumps.
-    if not p.code.moves:
+    code = p.code
+    if code.relief:
+        along = f'normalize(vector(transform("object", normal({p.normal()}))))' if p.is_linked("Normal") else code.relief
+    elif code.moves:
+        along = f"normalize(vector({p.normal()}))"
+    else:
+        # `surfaces` turns heights into bumps.
         return {"Displacement": ("vector", f"vector({height})")}
-    return {"Displacement": ("vector", moved(p, f"{height} * normalize(vector({p.normal()}))"))}
+    return {"Displacement": ("vector", moved(p, f"{height} * {along}"))}
 
 
 @node("VECTOR_DISPLACEMENT")
 def vector_displacement(p):
-    if not p.code.moves:
+    code = p.code
+    if not code.moves and not code.relief:
         p.warn("vector displacement is no bump, and is not shown")
         return {"Displacement": ("vector", "vector(0)")}
     offset = p.var("vector", f"(vector({p.c('Vector')}) - vector({p.f('Midlevel')})) * {p.f('Scale')}")
     if p.space != "TANGENT":
         return {"Displacement": ("vector", moved(p, offset))}
-    along = p.var("vector", "normalize(dPdu - dot(dPdu, N) * N)")
-    across = p.var("vector", f"((dot(cross(N, dPdu), dPdv) < 0) ? -1.0 : 1.0) * cross(vector(N), {along})")
-    return {"Displacement": ("vector", f"({offset}[0] * {along} + {offset}[1] * vector(N) + {offset}[2] * {across})")}
+    along, other, n = ("dPdu", "dPdv", "vector(N)")
+    if code.relief:
+        along, other = (p.var("vector", f'vector(transform("object", {each}))') for each in (along, other))
+        n = code.relief
+    side = f"((dot(cross({n}, {along}), {other}) < 0) ? -1.0 : 1.0)"
+    along = p.var("vector", f"normalize({along} - dot({along}, {n}) * {n})")
+    across = p.var("vector", f"{side} * cross({n}, {along})")
+    return {"Displacement": ("vector", f"({offset}[0] * {along} + {offset}[1] * {n} + {offset}[2] * {across})")}
 
 
 def moved(p, offset):
