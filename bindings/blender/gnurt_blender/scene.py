@@ -12,7 +12,7 @@ from . import aovs, cameras, catchers, dicing, hashes, images, links, meshes, mo
 from .kept import Recorder, digest
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
-from .nodes.surfaces import bump_of_displacement, bump_of_moved, displacement
+from .nodes.surfaces import bump_of_displacement, displacement
 from .nodes.tree import fed_by
 from .warned import Warned
 
@@ -411,10 +411,8 @@ class Export:
         if output is not None:
             has_relief, method = output.inputs["Displacement"].is_linked, material.displacement_method
             host.moves = has_relief and mesh is not None and method != "BUMP"
-            if has_relief and method == "BUMP":
+            if has_relief and (method == "BUMP" or (method == "BOTH" and host.moves)):
                 bump_of_displacement(code, tree, output)
-            elif host.moves and method == "BOTH":
-                bump_of_moved(code, tree, output)
             medium = volumes.of_body(self, code, tree, output, found, np.array(instance.matrix_world)) if mesh is not None and not self.masks else None
             surface = compile_tree(code, tree, output.inputs["Surface"])
             result = [f"Ci = {surface};"] if surface else []

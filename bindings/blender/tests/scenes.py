@@ -1027,13 +1027,26 @@ def displaced_vectors_and_bumped():
 
 
 @scene
+def bumped_by_vectors():
+    floor()
+    for x, space in ((-1.1, "OBJECT"), (1.1, "TANGENT")):
+        made = moved(f"bumps {space}", "BUMP", "ShaderNodeVectorDisplacement", scale=0.2)
+        next(node for node in made.node_tree.nodes if node.type == "VECTOR_DISPLACEMENT").space = space
+        shape("uv_sphere", (x, 0, 1.2), made, True, radius=0.9, segments=64, ring_count=32)
+    lit()
+
+
+@scene
 def displaced_colors():
-    """Colours by generated coordinates stay where they were before the displacement."""
+    """Colours and bumps by generated coordinates stay where they were before the displacement."""
     floor()
     made = moved("striped", "DISPLACEMENT", scale=0.8)
     tree, output, shader = nodes_of(made)
-    stripes = tree.nodes.new("ShaderNodeTexWave")
+    stripes, waves, bump = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexWave", "TexNoise", "Bump"))
+    waves.inputs["Scale"].default_value, bump.inputs["Distance"].default_value = 8.0, 0.1
     tree.links.new(stripes.outputs["Color"], shader.inputs["Base Color"])
+    tree.links.new(waves.outputs["Fac"], bump.inputs["Height"])
+    tree.links.new(bump.outputs[0], shader.inputs["Normal"])
     shape("uv_sphere", (0, 0, 1.2), made, True, radius=0.8, segments=128, ring_count=64)
     lit()
 

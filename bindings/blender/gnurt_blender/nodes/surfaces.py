@@ -373,29 +373,37 @@ def coat(p, whole):
     return closure(p, f"layer({weight} * {top}, {whole})")
 
 
+def has_vectors(tree):
+    """Whether a tree or one of its groups has a node of displacement by vectors."""
+    return any(each.type == "VECTOR_DISPLACEMENT" or (each.type == "GROUP" and each.node_tree and has_vectors(each.node_tree)) for each in tree.nodes)
+
+
 def bump_of_displacement(code, tree, output):
-    """Displacement as a change of the normal, which all nodes after it read."""
-    moved = socket_value(code, tree, output.inputs["Displacement"], None, "vector", "vector(0)")
+    """Displacement as a change of the normal, which all nodes after it read. Where vertices are moved, too, it is the change of the normal
+    that the surface had before by all of the displacement, so that relief between vertices shows."""
     code.need("bump")
-    height = code.var("float", f"{moved}[0]")
-    code.line(f"N = b_bump(N, {height}, Dx({height}), Dy({height}), 1.0, 1.0);")
-
-
-def bump_of_moved(code, tree, output):
-    """The same where vertices have moved, too: the normal is that of the surface before, changed by all of the displacement, so that relief
-    between vertices shows."""
-    code.need("bump")
-    code.relief = code.var("vector", f"normalize({code.attribute('vector', 'rest_normal')})")
-    code.line(f'N = normalize(transform("object", "world", normal({code.relief})));')
-    code.line("point moved = P;")
-    code.line(f'P = b_rest(transform("object", "world", point({code.attribute("vector", "rest")})), N);')
+    if not code.host.moves and not has_vectors(tree):
+        moved = socket_value(code, tree, output.inputs["Displacement"], None, "vector", "vector(0)")
+        height = code.var("float", f"{moved}[0]")
+        code.line(f"N = b_bump(N, {height}, Dx({height}), Dy({height}), 1.0, 1.0);")
+        return
+    if code.host.moves:
+        code.relief = code.var("vector", f"normalize({code.attribute('vector', 'rest_normal')})")
+        code.line(f'N = normalize(transform("object", "world", normal({code.relief})));')
+        code.line("point moved = P;")
+        code.line(f'P = b_rest(transform("object", "world", point({code.attribute("vector", "rest")})), N);')
+    else:
+        code.line("N = backfacing() ? -N : N;")
+        code.relief = code.var("vector", 'vector(normalize(transform("object", N)))')
     offset = socket_value(code, tree, output.inputs["Displacement"], None, "vector", "vector(0)")
     offset = code.var("vector", f'transform("object", "world", vector({offset}))')
     code.line(f"N = b_relief(N, Dx({offset}), Dy({offset}));")
     code.line("N = backfacing() ? -N : N;")
-    # Other nodes of the surface are those of the moved point.
-    code.line("P = moved;")
-    code.made, code.relief = {}, None
+    if code.host.moves:
+        # Other nodes of the surface are those of the moved point.
+        code.line("P = moved;")
+        code.made = {}
+    code.relief = None
 
 
 def displacement(code, tree, output):

@@ -160,9 +160,6 @@ def displacement(p):
 @node("VECTOR_DISPLACEMENT")
 def vector_displacement(p):
     code = p.code
-    if not code.moves and not code.relief:
-        p.warn("vector displacement is no bump, and is not shown")
-        return {"Displacement": ("vector", "vector(0)")}
     offset = p.var("vector", f"(vector({p.c('Vector')}) - vector({p.f('Midlevel')})) * {p.f('Scale')}")
     if p.space != "TANGENT":
         return {"Displacement": ("vector", moved(p, offset))}
