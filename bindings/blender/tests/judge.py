@@ -59,7 +59,7 @@ def main():
             print("     warned:", line)
         print(f"{'ok  ' if worst <= BAR else 'FAIL'} {name:18} {100 * worst:5.2f} %  {seconds[0]:.1f} s / {seconds[1]:.1f} s  {' '.join(lines)}", flush=True)
     print(f"{failed} of {len(given.scenes or SCENES)} scenes beyond {100 * BAR:.0f} %")
-    return failed > 0
+    return int(failed > 0)
 
 
 if __name__ == "__main__":
