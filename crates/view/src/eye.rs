@@ -35,7 +35,7 @@ pub(crate) struct ViewRequest {
 /// Virtual lights that a pixel gathers while the camera moves, at most, as far as patterns are wide enough.
 const MOST_LIGHTS: u32 = 64;
 
-/// What previews render where no time was measured.
+/// Pixels that previews render where no time was measured.
 const SHARE: MotionShare = MotionShare { fresh: 1.0 / 24.0, stride: 2 };
 
 /// Width of the pattern of interleaved pixels while the camera moves.
@@ -50,7 +50,7 @@ pub(crate) struct Eye {
     making: Option<Making>,
     /// State that previews leave to the next one.
     history: PictureHistory,
-    /// What previews render where they reuse earlier ones.
+    /// Pixels that previews render where they reuse earlier ones.
     pub(crate) share: MotionShare,
     pub(crate) colors: Vec<[f32; 4]>,
     /// The space of the light of the world last seen; `colors` are of Rec. 709.

@@ -9,6 +9,7 @@
 
 mod before;
 mod choose;
+mod earlier;
 mod frame;
 mod lattice;
 mod picture;

@@ -63,13 +63,13 @@ pub struct PictureHistory {
     cost: MotionCost,
 }
 
-/// What a picture in motion renders.
+/// Pixels of a picture in motion that are traced and sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionShare {
     /// Share of the traced pixels that get a fresh sample of light, in (0, 1].
     pub fresh: f32,
     /// 1: all pixels are traced. 2: one of each cell of two by two, another one in each frame; the others
-    /// show what earlier pictures knew of the same surface. Greater values count as 2.
+    /// show the same surface as in earlier pictures. Greater values count as 2.
     pub stride: u32,
 }
 

@@ -92,13 +92,16 @@ fn grain_of(lobes: impl Iterator<Item = (Kind, f32)>) -> f32 {
     narrowest.clamp(if is_wide { HALF_WIDE } else { NARROWEST }, 1.0)
 }
 
-/// Calls `with` for the pixels of some rows of the lattice, columns and rows and samples, many at once.
+/// Takes columns and rows of the lattice, and the samples there.
+type Keep<'a> = dyn FnMut(&[[u32; 2]], &[SurfaceSample]) + 'a;
+
+/// Calls `with` for the pixels of some rows of the lattice, many at once.
 pub(super) fn sample_surfaces(
     job: &Job,
     lattice: Lattice,
     tracer: &mut BatchTracer,
     rows: [u32; 2],
-    with: &mut dyn FnMut(&[[u32; 2]], &[SurfaceSample]),
+    with: &mut Keep,
 ) {
     let mut batch = std::mem::take(&mut tracer.camera);
     let (mut sights, mut places) = (Vec::<SurfaceSample>::new(), Vec::new());

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a picture of which one pixel in four was traced remembers of each pixel, in half of a cache line: such
-//! pictures are as fast as memory is. Reflectance and emitted radiance are kept with 11 bits, which is not
+//! Pixels of pictures of which one in four was traced, for the next picture, in half of a cache line. Reflectance and emitted radiance are kept with 11 bits, which is not
 //! seen in the three frames until they are traced again. Space: world. Tests: `tests`.
 
 use glam::{Vec3, Vec4};

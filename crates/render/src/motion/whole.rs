@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All pixels of a picture of which one in four was traced: the others show what earlier pictures knew of the
-//! same surface, and the light of the traced pixels around them.
+//! All pixels of a picture of which one in four was traced: the others show the same surface as in earlier
+//! pictures, and the light of the traced pixels around them.
 //! Source: temporal upsampling [YNS*09], with the surfaces compared instead of colours. A pixel moves as the
 //! traced ones beside it. Differs: the reflectance comes from earlier pictures, at most three, the light from
 //! this one, so that light that changes does not lag behind. Space: world.
-//! Things too thin for the traced pixels show if they were traced before, stand in front, and are still there.
+//! Things too thin for the traced pixels show if they were traced before, are before all of them, and did not go away.
 //! Invariant: traced pixels are shown as traced; a pixel shows a surface that was traced there or beside it.
 //! Tests: crates/render/tests/motion.rs.
 
@@ -13,9 +13,10 @@ use gnurt_accel::threads::{self, Pieces};
 use gnurt_shading::CameraShader;
 use gnurt_simd::{Level, dispatch_two};
 
+use super::earlier::{Earlier, is_on};
 use super::lattice::Lattice;
 use super::smooth::Smooth;
-use super::surface_key::{Same, SurfaceKey, Tint};
+use super::surface_key::{SurfaceKey, Tint};
 use super::texel::{Shown, Texel};
 
 /// Share of the four pixels around a point that have to show its surface.
@@ -27,7 +28,7 @@ const OFF_CENTRE: f32 = 0.75;
 /// Rows that go together.
 const ROWS: u32 = 8;
 
-/// What was traced, row by row of the lattice.
+/// The traced pixels, row by row of the lattice.
 pub(super) struct Traced<'a> {
     pub(super) lattice: Lattice,
     pub(super) surface_keys: &'a [SurfaceKey],
@@ -60,7 +61,7 @@ impl Traced<'_> {
     }
 }
 
-/// What the pixels between traced ones need to know of these.
+/// A traced pixel, for those between it and the next ones.
 #[derive(Clone, Copy, Default)]
 struct Spot {
     light: Vec3,
@@ -174,94 +175,6 @@ fn find_spots(traced: &Traced, spots: &mut Vec<Spot>) {
     });
 }
 
-/// The picture before.
-struct Earlier<'a> {
-    full: [u32; 2],
-    texels: &'a [Texel],
-}
-
-impl Earlier<'_> {
-    /// What the four pixels around a point showed, if all of them show the surface.
-    #[inline(always)]
-    fn inside_surface(&self, point: [f32; 2], key: &SurfaceKey) -> Option<Shown> {
-        // From the centre of the first pixel. A point that is not there is NaN, and not inside.
-        let [x, y] = point.map(|at| at - 0.5);
-        let is_inside = |at: f32, side: u32| (at >= 0.0) & (at < side as f32 - 1.0);
-        if !(is_inside(x, self.full[0]) & is_inside(y, self.full[1])) {
-            return None;
-        }
-        let (left, top) = (x as u32, y as u32);
-        let first = (top * self.full[0] + left) as usize;
-        let [above, below] = [first, first + self.full[0] as usize].map(|i| &self.texels[i..i + 2]);
-        let (taps, number) = ([&above[0], &above[1], &below[0], &below[1]], key.number());
-        let is_one = taps.iter().fold(true, |is_one, tap| is_one & (tap.number() == number));
-        if !is_one {
-            return None;
-        }
-        let shown = Shown::mean(taps, weights([x - left as f32, y - top as f32]), number);
-        is_on(shown.p(), key).then_some(shown)
-    }
-
-    /// What the four pixels around a point showed of a surface, and their share of weights.
-    #[inline(always)]
-    fn of_surface(&self, point: [f32; 2], key: &SurfaceKey) -> (Shown, f32) {
-        match self.inside_surface(point, key) {
-            Some(shown) => (shown, 1.0),
-            None => self.of_surface_at_edge(point.map(|at| at - 0.5), key),
-        }
-    }
-
-    /// The same where some of the pixels show something else.
-    #[inline(always)]
-    fn of_surface_at_edge(&self, [x, y]: [f32; 2], key: &SurfaceKey) -> (Shown, f32) {
-        let is_near = |at: f32, side: u32| at > -1.0 && at < side as f32;
-        if !(is_near(x, self.full[0]) && is_near(y, self.full[1])) {
-            return (Shown::default(), 0.0);
-        }
-        let (left, top) = (x.floor(), y.floor());
-        let mut weights = weights([x - left, y - top]);
-        let absent = Texel::default();
-        let mut taps = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| {
-            let (column, row) = (left as i32 + dx, top as i32 + dy);
-            let is_there =
-                column >= 0 && row >= 0 && column < self.full[0] as i32 && row < self.full[1] as i32;
-            is_there.then(|| &self.texels[row as usize * self.full[0] as usize + column as usize])
-        });
-        for (tap, weight) in taps.iter_mut().zip(&mut weights) {
-            *tap = tap.filter(|tap| tap.number() == key.number() && is_on(tap.p(), key));
-            if tap.is_none() {
-                *weight = 0.0;
-            }
-        }
-        let sum: f32 = weights.iter().sum();
-        if sum <= 0.0 {
-            return (Shown::default(), 0.0);
-        }
-        let taps = taps.map(|tap| tap.unwrap_or(&absent));
-        (Shown::mean(taps, weights.map(|weight| weight / sum), key.number()), sum)
-    }
-
-    /// The pixel that holds a point.
-    fn nearest(&self, point: [f32; 2]) -> Option<&Texel> {
-        let is_inside = (0..2).all(|k| point[k] >= 0.0 && point[k] < self.full[k] as f32);
-        is_inside.then(|| &self.texels[(point[1] as u32 * self.full[0] + point[0] as u32) as usize])
-    }
-}
-
-/// Weights of the pixels left and right, above and below.
-#[inline(always)]
-fn weights([right, below]: [f32; 2]) -> [f32; 4] {
-    [(1.0 - right) * (1.0 - below), right * (1.0 - below), (1.0 - right) * below, right * below]
-}
-
-/// Whether a point of a thing with the same id is on the surface of a traced pixel beside it.
-#[inline(always)]
-fn is_on(p: Vec3, key: &SurfaceKey) -> bool {
-    let offset = p - key.p;
-    let same = Same::new(key.width, 1.5);
-    !key.is_surface() || same.holds(offset.length_squared(), offset.dot(key.ns), 1.0)
-}
-
 /// A pixel and the columns and rows of traced ones beside it.
 struct Pixel {
     at: [u32; 2],
@@ -320,7 +233,7 @@ impl Pixel {
         (shown, if count > 0.0 { light / count } else { shown.light() })
     }
 
-    /// What earlier pictures know.
+    /// Its surface in the previous picture.
     #[inline(always)]
     fn known(&self, traced: &Traced, before: &Earlier) -> Option<Shown> {
         let (mut best, mut most) = (Shown::default(), 0.0);
@@ -360,7 +273,7 @@ impl Pixel {
         candidates.into_iter().find(is_here).map(Texel::shown)
     }
 
-    /// The farthest neighbour: what is uncovered lies behind.
+    /// The farthest neighbour: uncovered things lie behind.
     fn farthest(&self, traced: &Traced) -> [u32; 2] {
         let far = self.neighbours().max_by(|&a, &b| traced.distance2(a).total_cmp(&traced.distance2(b)));
         far.unwrap_or_default()
