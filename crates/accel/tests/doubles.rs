@@ -126,6 +126,38 @@ fn every_ray_is_decided_as_by_integers() {
 }
 
 #[test]
+fn the_lowest_number_counts_at_one_place() {
+    let mesh = Mesh::torus(12);
+    let mut random = Random::new(34);
+    // Each triangle twice, the second time with other corners first.
+    let turned = mesh.faces.iter().map(|&[a, b, c]| [b, c, a]);
+    let faces: Vec<[u32; 3]> = mesh.faces.iter().copied().chain(turned).collect();
+    for offset in [0.0, 1e8] {
+        let positions = mesh.positions(offset);
+        let meshes = [DoubleMesh::new(&positions, &faces)];
+        let options = BuildOptions::default();
+        let scene = DoubleScene::build(&meshes, &[], &options, Threads::Single).expect("a sound mesh");
+        let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+        let shown = DoubleInstance { shown: Arc::new(scene.clone()), placement: unit, mask: !0 };
+        let placed = DoubleScene::build(&[], &[shown], &options, Threads::Single).expect("an instance");
+        for (org, dir) in rays(&mesh, &mut random, 3000) {
+            // The first by integers: `a / b < c / d` as `a * d < c * b`.
+            let hits = (0..mesh.faces.len()).filter_map(|i| meets(mesh.face(i), org, dir).map(|at| (at, i)));
+            let is_before = |(a, b): (i128, i128), (c, d): (i128, i128)| {
+                (a as f64 / b as f64 - c as f64 / d as f64).abs() > 1e-12
+                    && a as f64 / (b as f64) < c as f64 / d as f64
+            };
+            let first = hits.reduce(|best, hit| if is_before(hit.0, best.0) { hit } else { best });
+            let expected = first.map(|(_, i)| i as u32);
+            for scene in [&scene, &placed] {
+                let found = scene.intersect(&ray(org, dir, offset)).map(|hit| hit.prim_id);
+                assert_eq!(found, expected, "{org:?} {dir:?} at {offset}");
+            }
+        }
+    }
+}
+
+#[test]
 fn far_origins_lose_nothing() {
     let mesh = Mesh::torus(8);
     let scene = scene(&mesh, 0.0, &BuildOptions::default());
@@ -265,6 +297,11 @@ fn bad_input_is_counted_or_refused() {
     assert_eq!(scene.stats().primitives, 1, "one is left");
     for dir in [[0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
         assert!(!scene.occluded(&DoubleRay::new([0.2, 0.2, -1.0], dir)), "{dir:?} is no direction");
+    }
+    for step in [4e-309, 1e-200, 1e200] {
+        let hit = scene.intersect(&DoubleRay::new([0.2, 0.2, -0.01], [0.0, 0.0, step]));
+        let t = hit.expect("directions may have any length").t;
+        assert!((t - 0.01 / step).abs() <= 1e-13 * t, "{t} for steps of {step}");
     }
     let in_plane = DoubleRay::new([-1.0, 0.2, 0.0], [1.0, 0.0, 0.0]);
     assert!(!scene.occluded(&in_plane) && scene.crossings(&in_plane) == 0, "edge on");

@@ -41,7 +41,7 @@ impl DoubleBlock {
     }
 
     /// One triangle.
-    #[inline]
+    #[inline(always)]
     pub(super) fn corners(&self, lane: usize) -> [[f64; 3]; 3] {
         let lane = lane & (WIDTH - 1);
         let [a, b, c] = &self.corners;
@@ -58,7 +58,8 @@ impl DoubleBlock {
         (0..WIDTH).filter(move |lane| used >> lane & 1 != 0)
     }
 
-    /// Triangles that the line may touch before `depth`, as bits, and those of them that it passes inside for certain.
+    /// Triangles that the line may touch before `depth`, as bits, and those that it passes inside for certain, if they are among
+    /// them.
     #[inline(always)]
     pub(super) fn candidates<S: Simd>(&self, simd: S, line: &Lanes<S>, depth: f64) -> [u32; 2] {
         let [a, b, c] =

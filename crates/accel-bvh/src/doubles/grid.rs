@@ -8,8 +8,12 @@ use gnurt_accel_core::Aabb;
 pub(super) struct Grid {
     pub(super) center: [f64; 3],
     pub(super) scale: f64,
+    /// Of coordinates of nodes: 1 over the scale.
+    pub(super) unit: f64,
     /// Half the diagonal of the box around all.
     pub(super) radius: f64,
+    /// The greatest coordinate of the centre.
+    pub(super) away: f64,
 }
 
 /// A box: least and greatest coordinates.
@@ -21,18 +25,18 @@ impl Grid {
         let center = [0, 1, 2].map(|k| 0.5 * min[k] + 0.5 * max[k]);
         let sides = [0, 1, 2].map(|k| 0.5 * max[k] - 0.5 * min[k]);
         let radius = sides.iter().map(|side| side * side).sum::<f64>().sqrt();
-        if !(radius.is_finite() && radius > 0.0) {
-            return Self {
-                center: center.map(|x| if x.is_finite() { x } else { 0.0 }),
-                scale: 1.0,
-                radius: 0.0,
-            };
-        }
-        let exponent = radius.log2().ceil().clamp(-1000.0, 1000.0) as i32;
-        Self { center, scale: 2f64.powi(-exponent), radius }
+        let (center, scale, radius) = if radius.is_finite() && radius > 0.0 {
+            let exponent = radius.log2().ceil().clamp(-1000.0, 1000.0) as i32;
+            (center, 2f64.powi(-exponent), radius)
+        } else {
+            (center.map(|x| if x.is_finite() { x } else { 0.0 }), 1.0, 0.0)
+        };
+        let away = center.into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        Self { center, scale, unit: 1.0 / scale, radius, away }
     }
 
     /// A point, rounded.
+    #[inline(always)]
     pub(super) fn local(&self, point: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| (point[k] - self.center[k]) * self.scale)
     }
@@ -49,9 +53,13 @@ impl Grid {
 
     /// The parameter from which on a line is followed: 0, or shortly before it comes to the box from afar, so that nothing is lost
     /// to the distance.
+    #[inline(always)]
     pub(super) fn start(&self, org: &[f64; 3], dir: &[f64; 3]) -> f64 {
         let to = [0, 1, 2].map(|k| self.center[k] - org[k]);
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        if dot(&to, &to) <= 16.0 * self.radius * self.radius {
+            return 0.0;
+        }
         let (along, square) = (dot(&to, dir), dot(dir, dir));
         let (middle, length) = (along / square, square.sqrt());
         let start = middle - 2.0 * self.radius / length;

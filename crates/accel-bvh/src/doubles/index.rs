@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use gnurt_accel_core::{Aabb, BuildError, BuildOptions, INVALID_ID, Threads, TreeStats};
-use gnurt_simd::{Level, Simd, dispatch};
+use gnurt_simd::{Level, Simd, dispatch, prefer_huge_pages};
 
 use super::block::DoubleBlock;
 use super::grid::{Box64, Grid};
@@ -18,7 +18,7 @@ use crate::walk::walk;
 /// Triangles as they were given, under a tree of floats.
 #[derive(Clone, Debug)]
 pub struct DoubleIndex {
-    over: Over<DoubleBlock>,
+    pub(super) over: Over<DoubleBlock>,
     /// The block and the lane of each number.
     places: Vec<u32>,
 }
@@ -33,13 +33,13 @@ pub struct DoubleBoxes {
 type Candidate<'a> = (u32, &'a [[f64; 3]; 3], bool);
 
 #[derive(Clone, Debug)]
-struct Over<B> {
-    tree: Tree,
-    blocks: Vec<B>,
+pub(super) struct Over<B> {
+    pub(super) tree: Tree,
+    pub(super) blocks: Vec<B>,
     /// The greatest coordinate of any plane.
-    greatest: f32,
+    pub(super) greatest: f32,
     stats: TreeStats,
-    grid: Grid,
+    pub(super) grid: Grid,
     bounds: Box64,
 }
 
@@ -64,7 +64,10 @@ impl<B> Over<B> {
         let mut tree = build(&&boxes[..], options.quality, threads)?;
         tree.settle(options.memory);
         let stats = tree.measure();
-        let blocks = std::mem::take(&mut tree.blocks).iter().map(block).collect();
+        let numbers = std::mem::take(&mut tree.blocks);
+        let mut blocks = Vec::with_capacity(numbers.len());
+        prefer_huge_pages(&blocks);
+        blocks.extend(numbers.iter().map(block));
         Ok(Self { blocks, greatest: tree.greatest(), tree, stats, grid, bounds })
     }
 
@@ -89,7 +92,7 @@ impl<B> Over<B> {
         )
     }
 
-    fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.blocks.is_empty()
     }
 

@@ -27,72 +27,81 @@ pub struct DoubleLine {
 /// The line for one tree: it starts at `start`, and moves by 1 along its longest axis for each unit of its parameters.
 #[derive(Clone, Copy)]
 pub(super) struct Prepared {
-    pub(super) axes: [usize; 3],
+    axes: [usize; 3],
     /// Along these axes.
-    pub(super) org: [f64; 3],
-    pub(super) shear: [f64; 2],
+    org: [f64; 3],
+    shear: [f64; 2],
     /// 1 or -1: along the longest axis.
-    pub(super) sign: f64,
+    sign: f64,
     /// The error of the origin.
     off: f64,
     /// The error of an edge for the greatest of its corners: see `block.rs`.
-    pub(super) error: f64,
+    error: f64,
     start: f64,
     per_unit: f64,
     scale: f64,
     slack: f64,
-    pub(super) near: f64,
+    near: f64,
     pub(super) for_nodes: Ray,
     /// The greatest coordinate for which nodes allow.
     pub(super) greatest: f32,
 }
 
-fn org_from(org: [f64; 3], center: [f64; 3]) -> [f64; 3] {
-    [org[0] - center[0], org[1] - center[1], org[2] - center[2]]
+#[inline(always)]
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-#[inline]
+#[inline(always)]
 fn largest(v: [f64; 3]) -> f64 {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }
 
 impl Prepared {
     /// For a tree whose greatest coordinate is `greatest`. `None` where the direction is lost to its error.
+    #[inline(always)]
     pub(super) fn new(line: &DoubleLine, grid: &Grid, greatest: f32) -> Option<Self> {
         let per_unit = largest(line.dir);
         if !(per_unit > 0.0 && per_unit.is_finite() && line.org.iter().all(|x| x.is_finite())) {
             return None;
         }
         let start = grid.start(&line.org, &line.dir);
-        let org = [0, 1, 2].map(|k| line.org[k] + start * line.dir[k]);
-        let rounding = if start == 0.0 { 0.0 } else { start * per_unit + largest(line.org) + largest(org) };
-        let off = line.off_org + start * line.off_dir + f64::EPSILON * rounding;
-        let off_shear = 2.0 * (line.off_dir / per_unit).min(1.0) + 2.0 * f64::EPSILON;
-        // The farthest corner, rounding included.
-        let far = 1.01 * (largest(org_from(org, grid.center)) + grid.radius)
-            + 4.0 * f64::EPSILON * (largest(org) + largest(grid.center));
-        let dir = line.dir.map(|x| x / per_unit);
-        let local = grid.local(org);
-        let away = largest(local);
-        // The line's difference from that of floats, as coordinates for which nodes allow.
-        let off_local = off * grid.scale + off_shear * (away + 2.0 * f64::from(greatest));
-        let slack = 1e-6 * (2.0 * f64::from(greatest) + away) + 4.0 * off_local;
-        let lost = (off_local / f64::from(SLACK)).min(1e30) as f32;
-        let size = dir.map(f64::abs);
+        let (mut org, mut rounding) = (line.org, 0.0);
+        if start != 0.0 {
+            org = [0, 1, 2].map(|k| line.org[k] + start * line.dir[k]);
+            rounding = start * per_unit + largest(line.org) + largest(org);
+        }
+        let drift = if line.off_dir == 0.0 { 0.0 } else { start * line.off_dir };
+        let off = line.off_org + drift + f64::EPSILON * rounding;
+        let size = line.dir.map(f64::abs);
         let last =
             if size[0] >= size[1] && size[0] >= size[2] { 0 } else { 2 - usize::from(size[1] >= size[2]) };
-        let axes = axes_from(last);
-        let [x, y, z] = axes;
+        let per = 1.0 / per_unit;
+        let off_shear = 2.0 * (line.off_dir * per).min(1.0) + 2.0 * f64::EPSILON;
+        // The inverse of the least numbers is infinite.
+        let mut dir = line.dir.map(|x| if per < f64::INFINITY { x * per } else { x / per_unit });
+        dir[last] = 1f64.copysign(line.dir[last]);
+        let from = minus(org, grid.center);
+        // The farthest corner, rounding included.
+        let far = 1.01 * (largest(from) + grid.radius) + 4.0 * f64::EPSILON * (largest(org) + grid.away);
+        let local = from.map(|x| x * grid.scale);
+        let away = largest(local);
+        let greatest64 = f64::from(greatest);
+        // The line's difference from that of floats, as coordinates for which nodes allow.
+        let off_local = off * grid.scale + off_shear * (away + 2.0 * greatest64);
+        let slack = 1e-6 * (2.0 * greatest64 + away) + 4.0 * off_local;
+        let lost = (off_local / f64::from(SLACK)).min(1e30) as f32;
         let units = (line.near - start) * per_unit;
         let lower = (units * grid.scale - slack - 1e-6 * (units * grid.scale).abs()).max(0.0);
         // Beyond the reach of floats all lines are as far.
         let float = |x: f64| x.clamp(-1e30, 1e30) as f32;
         let for_nodes = Ray { t_near: float(lower), ..Ray::new(local.map(float), dir.map(float)) };
+        let axes @ [x, y, z] = axes_from(last);
         Some(Self {
             axes,
             org: [org[x], org[y], org[z]],
-            shear: [dir[x] / dir[z], dir[y] / dir[z]],
-            sign: dir[z].signum(),
+            shear: [dir[x] * dir[z], dir[y] * dir[z]],
+            sign: dir[z],
             off,
             // Sheared corners are at most twice as far as corners.
             error: 32.0 * f64::EPSILON * far + 4.0 * (2.0 * off + off_shear * far),
@@ -100,13 +109,14 @@ impl Prepared {
             per_unit,
             scale: grid.scale,
             slack,
-            near: units - 1e-13 * units.abs() - slack / grid.scale,
+            near: units - 1e-13 * units.abs() - slack * grid.unit,
             for_nodes,
             greatest: 2.0 * greatest + lost,
         })
     }
 
     /// A parameter of the line as a depth along the longest axis, or a little more.
+    #[inline(always)]
     pub(super) fn depth(&self, t: f64) -> f64 {
         if t == f64::NEG_INFINITY {
             return t;
@@ -116,6 +126,7 @@ impl Prepared {
     }
 
     /// A parameter for nodes, or a little more.
+    #[inline(always)]
     pub(super) fn reach(&self, t: f64) -> f32 {
         if t == f64::NEG_INFINITY {
             return f32::NEG_INFINITY;

@@ -10,6 +10,7 @@ mod block;
 mod grid;
 mod index;
 mod line;
+mod rays;
 
 pub use index::{DoubleBoxes, DoubleIndex};
 pub use line::DoubleLine;

@@ -52,6 +52,7 @@ pub(super) fn certain(value: f64, error: f64) -> i8 {
 
 impl Line {
     /// Finite numbers, a direction that is not zero; ends may be infinite.
+    #[inline(always)]
     pub fn new(org: [f64; 3], dir: [f64; 3], near: f64, far: f64) -> Self {
         let [x, y, z] = dir.map(f64::abs);
         let last = if x >= y && x >= z { 0 } else { 2 - usize::from(y >= z) };
@@ -97,19 +98,19 @@ impl Line {
 
     /// The sign of an edge, if doubles decide it.
     fn edge(&self, triangle: &Triangle, i: usize, j: usize) -> i8 {
-        let (value, error) = self.edge_value(triangle, i, j);
+        let (value, error) = self.edge_value(&triangle.near, triangle.error, i, j);
         certain(value, error)
     }
 
-    /// The value of an edge in doubles, and a bound of its error.
+    /// The value of an edge of a triangle with these corners, which are off by at most `error`, in doubles, and a bound of its error.
     #[inline(always)]
-    pub(super) fn edge_value(&self, triangle: &Triangle, i: usize, j: usize) -> (f64, f64) {
-        let (p, q) = (triangle.near[i], triangle.near[j]);
+    pub(super) fn edge_value(&self, near: &[[f64; 3]; 3], error: f64, i: usize, j: usize) -> (f64, f64) {
+        let (p, q) = (near[i], near[j]);
         let (r, w) = (away(p, self.org), away(q, p));
         let c = cross_of(r, w);
         let value = self.dir[0] * c[0] + self.dir[1] * c[1] + self.dir[2] * c[2];
         let (r, w) = (largest(r), largest(w));
-        let (off_r, off_w) = (triangle.error + UNIT * r, 2.0 * triangle.error + UNIT * w);
+        let (off_r, off_w) = (error + UNIT * r, 2.0 * error + UNIT * w);
         let off = 2.0 * (r * off_w + w * off_r + off_r * off_w) + 8.0 * UNIT * r * w;
         (value, self.size * off * 1.01 + f64::MIN_POSITIVE)
     }

@@ -14,4 +14,5 @@ mod twice;
 pub use ball::side_of_sphere;
 pub(crate) use exact_hit::ExactHit;
 pub use line::Line;
+pub use meeting::Corners;
 pub use path::{InstancePath, Triangle};

@@ -54,8 +54,9 @@ impl InstancePath<'_> {
 /// A triangle in the space of the query.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle<'a> {
-    corners: [[f64; 3]; 3],
-    path: Option<&'a InstancePath<'a>>,
+    /// The corners in the space of the object.
+    pub corners: [[f64; 3]; 3],
+    pub(super) path: Option<&'a InstancePath<'a>>,
     /// The corners, rounded.
     pub near: [[f64; 3]; 3],
     /// How far off any coordinate may be.

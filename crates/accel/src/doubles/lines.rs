@@ -16,8 +16,8 @@ pub(super) struct Candidate<'a> {
     /// Whether the line passes inside.
     pub(super) is_certain: bool,
     pub(super) leaf: u32,
-    /// Mesh and triangle.
-    pub(super) ids: [u32; 2],
+    /// Of the triangle in its scene.
+    pub(super) number: u32,
 }
 
 /// Calls `meet` with all triangles that the line may meet before its reach; it answers with the new reach.
@@ -38,10 +38,9 @@ fn inside(
     meet: &mut dyn FnMut(Candidate) -> f64,
 ) -> f64 {
     scene.index.search(level, line, reach, &mut |(number, corners, is_certain)| {
-        let ids = scene.ids(number);
-        if scene.masks[ids[0] as usize] & mask != 0 {
+        if scene.all_masks & mask != 0 || scene.masks[scene.ids(number)[0] as usize] & mask != 0 {
             let triangle = Triangle::of_doubles(*corners, path);
-            reach = meet(Candidate { triangle: &triangle, is_certain, leaf, ids });
+            reach = meet(Candidate { triangle: &triangle, is_certain, leaf, number });
         }
         reach
     });
@@ -56,4 +55,19 @@ fn inside(
         reach
     });
     reach
+}
+
+/// Calls `with` with the way from a leaf to the space of the query.
+pub(super) fn along_path(
+    scene: &DoubleScene,
+    leaf: u32,
+    path: Option<&InstancePath>,
+    with: &mut dyn FnMut(Option<&InstancePath>),
+) {
+    if leaf == 0 {
+        return with(path);
+    }
+    let placed = &scene.instances[scene.placed_at(leaf)];
+    let path = InstancePath { columns: &placed.map.columns, outer: path };
+    along_path(&placed.shown, leaf - placed.first_leaf, Some(&path), with);
 }

@@ -2,10 +2,14 @@
 //! Rays in double precision: the closest hit, any hit, all hits.
 //! Invariant: of hits at the same parameter the lowest leaf and number counts. Tests: `tests/doubles.rs`.
 
-use gnurt_accel_core::exact::Line;
-use gnurt_accel_core::{INVALID_ID, Threads};
+use std::cmp::Ordering;
 
-use super::lines::{Candidate, search};
+use gnurt_accel_bvh::DoubleIndex;
+use gnurt_accel_core::exact::{Corners, Line, Triangle};
+use gnurt_accel_core::{INVALID_ID, Threads};
+use gnurt_simd::Level;
+
+use super::lines::{Candidate, along_path, search};
 use super::scene::DoubleScene;
 use crate::lists::answer_each;
 
@@ -58,8 +62,11 @@ impl DoubleRay {
     }
 
     /// Its line, if it can hit anything.
+    #[inline(always)]
     pub(super) fn line(&self) -> Option<Line> {
-        let is_finite = self.org.iter().chain(&self.dir).all(|x| x.is_finite());
+        // Zero times a number is zero, unless that is not finite.
+        let zero = |[x, y, z]: [f64; 3]| 0.0 * x + 0.0 * y + 0.0 * z;
+        let is_finite = zero(self.org) + zero(self.dir) == 0.0;
         let near = self.t_near.max(0.0);
         let is_valid = is_finite && self.dir != [0.0; 3] && near.is_finite() && near <= self.t_far;
         (is_valid && !self.t_near.is_nan()).then(|| Line::new(self.org, self.dir, near, self.t_far))
@@ -71,16 +78,21 @@ impl DoubleRay {
 struct Found {
     at: [f64; 3],
     leaf: u32,
-    ids: [u32; 2],
+    /// Of the triangle in its scene.
+    number: u32,
 }
 
 impl Found {
-    fn order(&self, other: &Self) -> std::cmp::Ordering {
-        self.at[0].total_cmp(&other.at[0]).then((self.leaf, self.ids).cmp(&(other.leaf, other.ids)))
+    fn order(&self, other: &Self) -> Ordering {
+        self.at[0].total_cmp(&other.at[0]).then(self.key().cmp(&other.key()))
+    }
+
+    fn key(&self) -> (u32, u32) {
+        (self.leaf, self.number)
     }
 
     fn hit(&self, scene: &DoubleScene) -> DoubleHit {
-        let ([t, u, v], [geom_id, prim_id]) = (self.at, self.ids);
+        let ([t, u, v], [geom_id, prim_id]) = (self.at, scene.ids_in(self.leaf, self.number));
         let inst_id = scene.outermost(self.leaf);
         DoubleHit { t, u, v, prim_id, geom_id, inst_id, leaf_id: self.leaf }
     }
@@ -89,36 +101,55 @@ impl Found {
 impl DoubleScene {
     /// The outermost instance on the way to a leaf.
     pub(super) fn outermost(&self, leaf: u32) -> u32 {
-        if leaf == 0 {
-            return INVALID_ID;
-        }
-        (self.instances.partition_point(|placed| placed.first_leaf <= leaf) - 1) as u32
+        if leaf == 0 { INVALID_ID } else { self.placed_at(leaf) as u32 }
     }
 
     /// The closest hit.
     #[must_use]
     pub fn intersect(&self, ray: &DoubleRay) -> Option<DoubleHit> {
         let line = ray.line()?;
-        let mut best: Option<Found> = None;
-        search(self, &line, ray.mask, &mut |Candidate { triangle, is_certain, leaf, ids }| {
-            let found = line.meets(triangle, is_certain).map(|at| Found { at, leaf, ids });
-            if let Some(found) = found
-                && best.is_none_or(|best| found.order(&best).is_lt())
-            {
-                best = Some(found);
+        if self.shows_all(ray.mask) {
+            let (number, at) = self.index.closest(Level::best(), &line)?;
+            return Some(Found { at, leaf: 0, number }.hit(self));
+        }
+        let mut best: Option<(Found, [[f64; 3]; 3])> = None;
+        let reach = |best: &Option<(Found, _)>| {
+            best.as_ref().map_or(line.far, |(best, _)| DoubleIndex::reach(best.at[0]))
+        };
+        search(self, &line, ray.mask, &mut |Candidate { triangle, is_certain, leaf, number }| {
+            let corners = Corners::of(triangle);
+            if let Some(t) = line.meets_before(&corners, reach(&best), is_certain) {
+                let [u, v] = line.weights(&corners);
+                let found = Found { at: [t, u, v], leaf, number };
+                if best.as_ref().is_none_or(|best| self.order(&line, (found, &corners), best).is_lt()) {
+                    best = Some((found, triangle.corners));
+                }
             }
-            best.map_or(line.far, |best| best.at[0])
+            reach(&best)
         });
-        best.map(|best| best.hit(self))
+        best.map(|(best, _)| best.hit(self))
+    }
+
+    /// The order of two hits; of the second one the corners are those in its leaf.
+    fn order(&self, line: &Line, a: (Found, &Corners), (b, corners): &(Found, [[f64; 3]; 3])) -> Ordering {
+        let mut order = Ordering::Equal;
+        along_path(self, b.leaf, None, &mut |path| {
+            let triangle = Triangle::of_doubles(*corners, path);
+            order = line.order((a.0.at[0], a.1), (b.at[0], &Corners::of(&triangle)));
+        });
+        order.then(a.0.key().cmp(&b.key()))
     }
 
     /// Whether there is a hit.
     #[must_use]
     pub fn occluded(&self, ray: &DoubleRay) -> bool {
         let Some(line) = ray.line() else { return false };
+        if self.shows_all(ray.mask) {
+            return self.index.is_met(Level::best(), &line);
+        }
         let mut is_hit = false;
         search(self, &line, ray.mask, &mut |Candidate { triangle, is_certain, .. }| {
-            is_hit = is_hit || line.meets(triangle, is_certain).is_some();
+            is_hit = is_hit || line.is_blocked(&Corners::of(triangle), is_certain);
             if is_hit { f64::NEG_INFINITY } else { line.far }
         });
         is_hit
@@ -126,7 +157,7 @@ impl DoubleScene {
 
     /// The first hits in order, at most `most`; on each triangle that the ray touches.
     pub fn first_hits(&self, ray: &DoubleRay, most: usize, hits: &mut Vec<DoubleHit>) {
-        self.list(ray, most, hits, |line, candidate| line.meets(candidate.triangle, candidate.is_certain));
+        self.list(ray, most, hits, |line, candidate| line.meets(candidate.triangle));
     }
 
     /// The crossings that [`crossings`](Self::crossings) counts, in order.
@@ -134,7 +165,7 @@ impl DoubleScene {
         self.list(ray, usize::MAX, hits, |line, candidate| {
             line.crosses(candidate.triangle)?;
             // Where the line that was not moved passes beside it, the place is near an edge.
-            let at = line.meets(candidate.triangle, false);
+            let at = line.meets(candidate.triangle);
             Some(at.unwrap_or_else(|| line.intersection(candidate.triangle)))
         });
     }
@@ -151,7 +182,7 @@ impl DoubleScene {
         let mut found = Vec::new();
         search(self, &line, ray.mask, &mut |candidate| {
             let at = judge(&line, &candidate);
-            found.extend(at.map(|at| Found { at, leaf: candidate.leaf, ids: candidate.ids }));
+            found.extend(at.map(|at| Found { at, leaf: candidate.leaf, number: candidate.number }));
             line.far
         });
         found.sort_unstable_by(Found::order);

@@ -97,6 +97,8 @@ pub struct DoubleScene {
     /// The first number of each mesh, and one more than the last number.
     pub(super) starts: Vec<u32>,
     pub(super) masks: Vec<u32>,
+    /// Bits of all masks.
+    pub(super) all_masks: u32,
     pub(super) boxes: DoubleBoxes,
     pub(super) instances: Vec<Placed>,
     bad: BadPrimitives,
@@ -165,8 +167,9 @@ impl DoubleScene {
         let boxes = DoubleBoxes::build(&around, options, threads)?;
         let ([a, b], [c, d]) = (index.bounds(), boxes.bounds());
         let bounds = [[0, 1, 2].map(|k: usize| a[k].min(c[k])), [0, 1, 2].map(|k: usize| b[k].max(d[k]))];
-        let masks = meshes.iter().map(|mesh| mesh.mask).collect();
-        Ok(Self { index, starts, masks, boxes, instances: placed, bad, leaves, levels, bounds })
+        let masks: Vec<u32> = meshes.iter().map(|mesh| mesh.mask).collect();
+        let all_masks = masks.iter().fold(u32::MAX, |all, mask| all & mask);
+        Ok(Self { index, starts, masks, all_masks, boxes, instances: placed, bad, leaves, levels, bounds })
     }
 
     /// The box around all: least and greatest coordinates; from +inf to -inf where there is nothing.
@@ -206,12 +209,33 @@ impl DoubleScene {
         [mesh as u32, number - self.starts[mesh]]
     }
 
+    /// The same of a number in a leaf.
+    pub(super) fn ids_in(&self, leaf: u32, number: u32) -> [u32; 2] {
+        let (mut scene, mut leaf) = (self, leaf);
+        while leaf > 0 {
+            let placed = &scene.instances[scene.placed_at(leaf)];
+            leaf -= placed.first_leaf;
+            scene = &placed.shown;
+        }
+        scene.ids(number)
+    }
+
+    /// Whether a mask sees all meshes, and there is nothing else.
+    pub(super) fn shows_all(&self, mask: u32) -> bool {
+        self.instances.is_empty() && self.all_masks & mask != 0
+    }
+
+    /// The index of the instance that holds a leaf, which is not 0.
+    pub(super) fn placed_at(&self, leaf: u32) -> usize {
+        self.instances.partition_point(|placed| placed.first_leaf <= leaf) - 1
+    }
+
     /// Numbers of the instances on the way to a leaf, outermost first; none of a leaf that is not there.
     #[must_use]
     pub fn path(&self, leaf_id: u32) -> Vec<u32> {
         let (mut path, mut scene, mut leaf) = (Vec::new(), self, leaf_id);
         while leaf > 0 && leaf < scene.leaves {
-            let at = scene.instances.partition_point(|placed| placed.first_leaf <= leaf) - 1;
+            let at = scene.placed_at(leaf);
             path.push(at as u32);
             leaf -= scene.instances[at].first_leaf;
             scene = &scene.instances[at].shown;
