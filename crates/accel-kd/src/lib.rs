@@ -16,6 +16,7 @@ mod build;
 mod builder;
 mod divide;
 mod event;
+mod fuzzy;
 mod grid;
 mod index;
 mod interval;
@@ -38,4 +39,5 @@ mod slab;
 mod tiles;
 
 pub use any::ResearchIndex;
+pub use fuzzy::{FuzzyError, FuzzyTree};
 pub use kernels::Kernels;

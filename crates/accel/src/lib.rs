@@ -237,6 +237,8 @@ pub use gnurt_accel_core::{
     PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres,
     Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
 };
+#[cfg(feature = "research")]
+pub use gnurt_accel_kd::{FuzzyError, FuzzyTree};
 pub use gnurt_simd::Level;
 pub use inside::Side;
 pub use lists::Lists;

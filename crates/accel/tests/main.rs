@@ -16,6 +16,7 @@ mod discs;
 mod doubles;
 mod far_away;
 mod filters;
+mod fuzzy;
 mod grids;
 mod instances;
 mod intervals;

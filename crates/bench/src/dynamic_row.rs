@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 /// One strategy's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DynamicRow {
-    /// `refit`, `rebuild`, `top`, `stadium`, `crowd` or `crowd64`.
+    /// `refit`, `rebuild`, `top`, `stadium`, `fuzzy`, `crowd` or `crowd64`.
     pub case: &'static str,
     /// The scene.
     pub scene: String,

@@ -33,6 +33,7 @@ mod ffi_embree;
 mod ffi_instances;
 #[allow(unsafe_code, reason = "a call of the C library's allocator")]
 mod ffi_malloc;
+pub mod fuzzy;
 mod job;
 pub mod light;
 pub mod light_plot;

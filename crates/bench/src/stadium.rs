@@ -40,7 +40,7 @@ pub struct Options {
 const OTHERS: [&str; 4] = ["bih-plain", "bih", "b-kd", "kd"];
 
 /// A surface of `rows` by `columns` quads, the last column being the first again.
-fn tube(rows: u32, columns: u32, at: impl Fn(f32, f32) -> [f32; 3]) -> Mesh {
+pub(crate) fn tube(rows: u32, columns: u32, at: impl Fn(f32, f32) -> [f32; 3]) -> Mesh {
     let mut mesh = Mesh::default();
     for row in 0..=rows {
         for column in 0..columns {

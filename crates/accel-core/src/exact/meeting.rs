@@ -76,8 +76,8 @@ impl Line {
         Some([t, u, v])
     }
 
-    /// The parameter where the line meets the triangle between its ends, and where that may be before `far`, which is at most
-    /// the line's own end. `is_certain`: the line is known to pass inside.
+    /// The parameter where the line meets the triangle between its ends; `None` also where that is certainly beyond `far`.
+    /// `is_certain`: the line is known to pass inside.
     #[inline(always)]
     pub fn meets_before(&self, corners: &Corners, far: f64, is_certain: bool) -> Option<f64> {
         if !is_certain && !self.touches(corners) {

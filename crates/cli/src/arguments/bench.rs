@@ -136,7 +136,7 @@ pub(crate) struct BenchDynamicArguments {
     /// Scene files ({SCENES}) or builtin:NAME; each is deformed and measured by itself
     #[arg(value_name = "SCENE", default_value = "builtin:materials")]
     pub(crate) scenes: Vec<OsString>,
-    /// Cases: refit and rebuild of each scene; top: a tree over instances; stadium: a small thing in a large one; crowd, crowd64: characters in 1000 or 64 poses
+    /// Cases: refit and rebuild of each scene; top: a tree over instances; stadium: a small thing in a large one; fuzzy: trees that know poses; crowd, crowd64: characters in 1000 or 64 poses
     #[arg(long = "case", value_name = "LIST", value_parser = value::motion_case, value_delimiter = ',')]
     pub(crate) cases: Vec<String>,
     /// Instances of the case top

@@ -8,8 +8,8 @@ use std::path::PathBuf;
 
 use gnurt_bench::rays::BenchEvent;
 use gnurt_bench::{
-    Class, EmbreeLibrary, Error, Filter, Subject, builds, crowd, dynamic, dynamic_plot, dynamic_row, paper,
-    plot, rays, record, research, stadium, table, to_json, top,
+    Class, EmbreeLibrary, Error, Filter, Subject, builds, crowd, dynamic, dynamic_plot, dynamic_row, fuzzy,
+    paper, plot, rays, record, research, stadium, table, to_json, top,
 };
 
 use super::bench_files::{check_outputs, write};
@@ -139,12 +139,23 @@ fn measure_motion(
         rows.extend(measured);
     }
     if cases.is_empty() && !research::IS_COMPILED {
-        messages.note(format_args!("the case stadium needs a program built with --features research"));
-    } else if is_requested("stadium") {
-        let options = stadium::Options { rounds: arguments.rounds, size: arguments.size, level };
-        let measured = stadium::run(&stadium::RATIOS, &options, &mut quietly(messages)).map_err(failure)?;
-        print(dynamic_row::table(&measured))?;
-        rows.extend(measured);
+        messages
+            .note(format_args!("the cases stadium and fuzzy need a program built with --features research"));
+    } else {
+        if is_requested("stadium") {
+            let options = stadium::Options { rounds: arguments.rounds, size: arguments.size, level };
+            let measured = stadium::run(&stadium::RATIOS, &options, &mut quietly(messages));
+            let measured = measured.map_err(failure)?;
+            print(dynamic_row::table(&measured))?;
+            rows.extend(measured);
+        }
+        if is_requested("fuzzy") {
+            let (frames, rounds, size) = (arguments.frames, arguments.rounds, arguments.size);
+            let options = fuzzy::Options { frames, rounds, size, level, quads: fuzzy::QUADS };
+            let measured = fuzzy::run(&options, &mut quietly(messages)).map_err(failure)?;
+            print(dynamic_row::table(&measured))?;
+            rows.extend(measured);
+        }
     }
     for (case, poses) in [("crowd", arguments.characters), ("crowd64", 64)] {
         if is_requested(case) {

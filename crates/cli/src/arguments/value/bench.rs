@@ -22,7 +22,7 @@ pub(crate) fn motion_case(name: &str) -> Result<String, String> {
     by_name("case", name, &MOTION_CASES).map(str::to_owned)
 }
 
-const MOTION_CASES: [&str; 6] = ["refit", "rebuild", "top", "stadium", "crowd", "crowd64"];
+const MOTION_CASES: [&str; 7] = ["refit", "rebuild", "top", "stadium", "fuzzy", "crowd", "crowd64"];
 
 /// Instances of the case `top`.
 pub(crate) fn instances(text: &str) -> Result<usize, String> {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `bench dynamic`, case `fuzzy`: a mesh that moves in parts, or in none, under trees that know its poses and others.
+
+#[cfg(not(feature = "research"))]
+mod absent;
+#[cfg(feature = "research")]
+mod measure;
+mod options;
+
+#[cfg(not(feature = "research"))]
+pub use absent::run;
+#[cfg(feature = "research")]
+pub use measure::run;
+pub use options::{Options, QUADS};
