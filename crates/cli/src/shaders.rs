@@ -41,9 +41,6 @@ impl Shaders {
         frame: &FrameArguments,
         messages: Messages,
     ) -> Result<Self, Failure> {
-        for change in &frame.set {
-            change.apply(scene).map_err(|why| Failure::usage(format_args!("--set: {why}")))?;
-        }
         let mut shaders = Self::default();
         shaders.put_named(scene, frame.working_space, messages);
         let access = access(frame);

@@ -139,10 +139,15 @@ impl Source {
     /// As [`load`](Self::load), and returns the files that it was read from.
     pub(crate) fn load_with_files(&self, messages: Messages) -> Result<(Scene, Vec<PathBuf>), Failure> {
         let begin = Instant::now();
-        let loaded = load_scene_with(&self.found, &self.options).map_err(|error| match error.kind {
+        // Changes are made here, so that errors name the option.
+        let options = LoadOptions { overrides: Vec::new(), ..self.options.clone() };
+        let mut loaded = load_scene_with(&self.found, &options).map_err(|error| match error.kind {
             io::ErrorKind::UnknownName => Failure::usage(error),
             _ => Failure::data(error),
         })?;
+        for change in &self.options.overrides {
+            change.apply(&mut loaded.scene).map_err(|why| Failure::usage(format_args!("--set: {why}")))?;
+        }
         for warning in loaded.warnings.iter() {
             messages.warning(warning);
         }

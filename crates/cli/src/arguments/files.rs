@@ -14,7 +14,7 @@ use super::value;
 use crate::failure::Failure;
 use crate::workers::threads;
 
-/// `--confine`, `--texture-memory`, `--variant`, `--subdivision`, `--up`, `--set` and `--strict`.
+/// `--confine`, `--texture-memory`, `--variant`, `--subdivision`, `--up-axis`, `--set` and `--strict`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FileArguments {
     /// Read files named by the scene (libraries, textures, buffers) only below this folder; links are followed
@@ -70,10 +70,10 @@ pub(crate) struct FileArguments {
         value_parser = value::up_axis,
         allow_hyphen_values = true
     )]
-    up: Option<UpAxis>,
+    up_axis: Option<UpAxis>,
 
-    /// Change a value of the scene, as in materials.gold.roughness=0.3, lights.*.intensity=*0.5 or instances.chair.visible=false;
-    /// repeatable
+    /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2,
+    /// lights.0.group=key, lights.0.link=chair,table or instances.NAME.visible=false; one number keeps a light's colour; repeatable
     #[arg(
         long,
         help_heading = "Scene",
@@ -95,7 +95,7 @@ impl FileArguments {
         let failed = |error| Failure::data(format_args!("--texture-memory: {error}"));
         let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;
         let (confine, variants, overrides) = (self.confine.clone(), self.variant.clone(), self.set.clone());
-        let Self { subdivision, strict, up, .. } = *self;
+        let Self { subdivision, strict, up_axis: up, .. } = *self;
         let threads = threads();
         Ok(LoadOptions { confine, tiles, variants, overrides, subdivision, strict, up, threads, at: None })
     }

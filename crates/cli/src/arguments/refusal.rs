@@ -126,7 +126,17 @@ mod tests {
 
     #[test]
     fn the_arguments_are_consistent() {
-        Arguments::command().debug_assert();
+        let root = Arguments::command();
+        root.clone().debug_assert();
+        // The library's own checks are left out of tests, as all of its debugging is.
+        fn check(command: &Command) {
+            let mut names: Vec<&str> = command.get_arguments().filter_map(clap::Arg::get_long).collect();
+            names.sort_unstable();
+            let twice = names.windows(2).find(|pair| pair[0] == pair[1]);
+            assert_eq!(twice, None, "{}: one name, two options", command.get_name());
+            command.get_subcommands().for_each(check);
+        }
+        check(&root);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use gnurt::image::{ExrCompression, ExrPixels, Picture, ToneCurve, WorkingSpace, 
 use gnurt::render::{Guiding, Integrator, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
-use gnurt::{Fog, Override, Surroundings, VolumeFile};
+use gnurt::{Fog, Surroundings, VolumeFile};
 
 use super::value::{self, CameraChoice, ExposureChoice, Resolution, ShaderChoice};
 
@@ -116,17 +116,6 @@ pub(crate) struct FrameArguments {
     /// Search a folder for files that shaders include, after their own folders; repeatable
     #[arg(help_heading = "Look", hide_short_help = true, long, value_name = "DIR", action = clap::ArgAction::Append)]
     pub(crate) include: Vec<PathBuf>,
-    /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2,
-    /// lights.0.group=key, lights.0.link=chair,table or instances.NAME.visible=false; one number keeps a light's colour; repeatable
-    #[arg(
-        help_heading = "Look", hide_short_help = true,
-        long,
-        value_name = "LIST.NAME.FIELD=VALUE",
-        value_parser = Override::parse,
-        allow_hyphen_values = true,
-        action = clap::ArgAction::Append
-    )]
-    pub(crate) set: Vec<Override>,
     /// Pixel shader (.osl, .oso, .oslgroup): computes a pixel from the light along its camera rays, and can trace more rays
     #[arg(help_heading = "Look", hide_short_help = true, long = "pixel-shader", value_name = "FILE.osl[:NAME=VALUE...]", value_parser = value::pixel_shader, allow_hyphen_values = true)]
     pub(crate) pixel_shader: Option<ShaderChoice>,

@@ -135,7 +135,7 @@ impl Formats {
             let problem = || format!("{} files are written, not read", format.name);
             if format.says_up && options.up.is_some() {
                 let problem = format!("{} says itself which axis points upwards", format.name);
-                return Err(Error::data(path, None, problem, "leave out the axis, `--up`"));
+                return Err(Error::data(path, None, problem, "leave out the axis, `--up-axis`"));
             }
             format.read.ok_or_else(|| unknown(path, problem(), &self.read_extensions()))
         });

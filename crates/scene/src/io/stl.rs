@@ -30,7 +30,7 @@ const TRIANGLE: usize = 50;
 pub(super) const FORMAT: Format = Format {
     name: "STL",
     extensions: &["stl"],
-    notes: "triangles only; `--up z` for most",
+    notes: "triangles only; `--up-axis z` for most",
     read: Some(load),
     read_whole: true,
     says_up: false,

@@ -18,6 +18,11 @@ pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
 
 /// Three numbers that are not all zero.
 pub(crate) fn direction(text: &str) -> Result<[f32; 3], String> {
+    if let "x" | "y" | "z" = text {
+        return Err(format!(
+            "give three numbers like 0,1,0; --up-axis {text} names the upward axis of a file"
+        ));
+    }
     match point(text)? {
         [0.0, 0.0, 0.0] => Err("the zero vector has no direction; give one like 0,1,0".into()),
         direction => Ok(direction),
