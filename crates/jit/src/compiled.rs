@@ -7,8 +7,10 @@ use gnurt_sl::exec::{Plan, Program as _, RetainedOutput, Slot};
 use std::fmt;
 use std::sync::{Arc, Mutex};
 
+use crate::control::{self, Code};
 use crate::ffi_call::{Line, cell_values};
 use crate::ffi_memory::Executable;
+use crate::isa::Isa;
 use crate::layout::{CellAddress, Layout};
 use crate::program::Program;
 use crate::{lower, x86};
@@ -82,9 +84,7 @@ impl Compiled {
             return Err(NoCode::Here(why));
         }
         let program = lower::program(&plan, lanes).map_err(NoCode::OfGroup)?;
-        let layout = Layout::new(lanes, program.slots, &program.varying, x86::copies(level));
-        let mut layout = layout.map_err(NoCode::OfGroup)?;
-        let made = x86::code(&program, &mut layout, level).map_err(NoCode::OfGroup)?;
+        let (layout, made) = encoded::<x86::Asm>(&program, lanes, level).map_err(NoCode::OfGroup)?;
         let code = Executable::new(&made.bytes).map_err(NoCode::Here)?;
         let flat = layout.template(&plan.memory);
         let mut template = vec![Line([0; 16]); flat.len().div_ceil(16)];
@@ -187,4 +187,11 @@ impl Compiled {
     pub fn calls(&self) -> usize {
         self.program.calls.iter().filter(|call| matches!(call, crate::program::Call::Step { .. })).count()
     }
+}
+
+/// The layout and the code of a program, for a kind of machine.
+fn encoded<I: Isa>(program: &Program, lanes: usize, level: Level) -> Result<(Layout, Code), String> {
+    let mut layout = Layout::new(lanes, program.slots, &program.varying, I::copies(level))?;
+    let code = control::code::<I>(program, &mut layout, level)?;
+    Ok((layout, code))
 }

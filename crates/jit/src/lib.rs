@@ -2,11 +2,11 @@
 //! Machine code for the shading language: a group of shaders for sixteen points at once.
 //!
 //! Stages of a group: `lower` makes a program of it (control on masks of sixteen bits, and regions of
-//! operations without branches), `x86` makes machine code of that for AVX2 or AVX-512, `ffi_memory` keeps it,
-//! [`Lanes`] runs it. The library's functions are compiled in instead of called: they are written over a
-//! trait of numbers, and `term` is a number that records its operations. The interpreter executes operations
-//! without code (texts, messages, closures, queries of the renderer), lane by lane, in the middle of the
-//! code.
+//! operations without branches). `control` and `region` make machine code of that; what they need of a
+//! machine is the trait in `isa`. `x86` has it for AVX2 and AVX-512. `ffi_memory` keeps the code, [`Lanes`]
+//! runs it. The library's functions are compiled in instead of called: they are written over a trait of
+//! numbers, and `term` is a number that records its operations. The interpreter executes operations without
+//! code (texts, messages, closures, queries of the renderer), lane by lane, in the middle of the code.
 //!
 //! Invariant: the interpreter defines the meaning. Every value has its bits, except for those of NaNs.
 //! Tests: `tests/`.
@@ -18,15 +18,18 @@
 
 mod cache;
 mod compiled;
+mod control;
 mod engine;
 mod ffi_call;
 mod ffi_memory;
 mod fingerprint;
+mod isa;
 mod lanes;
 mod layout;
 mod lower;
 mod op;
 mod program;
+mod region;
 mod term;
 mod x86;
 

@@ -4,61 +4,11 @@
 //! Lanes are 4 or 8 with the VEX prefix and 16 with EVEX. All memory is addressed as `rbx` plus a distance of 32 bits.
 //! Tests: `tests::*` (bytes of an assembler), `tests/agreement.rs` (their effects).
 
-/// How many lanes an instruction has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Width {
-    /// 128 bits, of which the first lane counts.
-    One,
-    /// 256 bits.
-    Eight,
-    /// 512 bits.
-    Sixteen,
-}
-
-impl Width {
-    /// Lanes that count.
-    pub(crate) const fn lanes(self) -> usize {
-        match self {
-            Self::One => 1,
-            Self::Eight => 8,
-            Self::Sixteen => 16,
-        }
-    }
-
-    /// Registers that there are.
-    pub(crate) const fn registers(self) -> usize {
-        match self {
-            Self::One | Self::Eight => 16,
-            Self::Sixteen => 32,
-        }
-    }
-}
-
-/// The second source of an instruction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Rm {
-    /// A vector register.
-    Reg(u8),
-    /// All lanes, this many bytes from `rbx`.
-    Mem(u32),
-    /// One number for all lanes; only with sixteen.
-    Each(u32),
-}
+use crate::isa::{Isa as _, Label, Source, Text, Width, Word};
 
 /// An instruction: prefix (0 none, 1 66, 2 F3, 3 F2), map (1 0F, 2 0F38, 3 0F3A) and number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Code(pub(crate) u8, pub(crate) u8, pub(crate) u8);
-
-/// A target of jumps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Label(u32);
-
-/// Registers for whole numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Gpr {
-    Eax = 0,
-    Ecx = 1,
-}
 
 /// The access to a register and a word of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,83 +33,36 @@ pub(crate) enum When {
 /// Code in the making.
 #[derive(Default)]
 pub(crate) struct Asm {
-    pub(crate) bytes: Vec<u8>,
-    /// Offsets of labels; `u32::MAX` where they are not known yet.
-    labels: Vec<u32>,
-    /// Distances that are still to be filled in: their offset and label.
-    jumps: Vec<(u32, Label)>,
+    pub(crate) text: Text,
 }
 
 impl Asm {
-    pub(crate) fn label(&mut self) -> Label {
-        self.labels.push(u32::MAX);
-        Label(self.labels.len() as u32 - 1)
-    }
-
-    /// Puts a label here.
-    pub(crate) fn bind(&mut self, label: Label) {
-        self.labels[label.0 as usize] = self.bytes.len() as u32;
-    }
-
-    /// The offset of a label.
-    pub(crate) fn address(&self, label: Label) -> u32 {
-        self.labels[label.0 as usize]
-    }
-
-    /// Fills in the distances of all jumps.
-    pub(crate) fn finish(&mut self) {
-        for (at, label) in std::mem::take(&mut self.jumps) {
-            let distance = self.labels[label.0 as usize].wrapping_sub(at + 4);
-            self.bytes[at as usize..at as usize + 4].copy_from_slice(&distance.to_le_bytes());
-        }
-    }
-
     pub(crate) fn raw(&mut self, bytes: &[u8]) {
-        self.bytes.extend_from_slice(bytes);
+        self.text.bytes.extend_from_slice(bytes);
     }
 
     fn distance(&mut self, x: u32) {
         self.raw(&x.to_le_bytes());
     }
 
-    fn target(&mut self, label: Label) {
-        self.jumps.push((self.bytes.len() as u32, label));
-        self.distance(0);
-    }
-
-    pub(crate) fn jump(&mut self, label: Label) {
-        self.raw(&[0xe9]);
-        self.target(label);
-    }
-
     pub(crate) fn jump_if(&mut self, when: When, label: Label) {
         self.raw(&[0x0f, when as u8]);
-        self.target(label);
-    }
-
-    pub(crate) fn call(&mut self, label: Label) {
-        self.raw(&[0xe8]);
-        self.target(label);
+        self.text.jump([0; 4], label);
     }
 
     /// Between a register and a word of memory.
-    pub(crate) fn access(&mut self, what: Access, reg: Gpr, at: u32) {
+    pub(crate) fn access(&mut self, what: Access, reg: Word, at: u32) {
         self.raw(&[what as u8, 0x83 | (reg as u8) << 3]);
         self.distance(at);
     }
 
     /// `reg & other`, only for the flags: pass a register twice to test it.
-    pub(crate) fn test(&mut self, a: Gpr, b: Gpr) {
+    pub(crate) fn test(&mut self, a: Word, b: Word) {
         self.raw(&[0x85, 0xc0 | (b as u8) << 3 | a as u8]);
     }
 
-    /// `to &= from`
-    pub(crate) fn and(&mut self, to: Gpr, from: Gpr) {
-        self.raw(&[0x21, 0xc0 | (from as u8) << 3 | to as u8]);
-    }
-
     /// `reg = !reg`
-    pub(crate) fn not(&mut self, reg: Gpr) {
+    pub(crate) fn not(&mut self, reg: Word) {
         self.raw(&[0xf7, 0xd0 | reg as u8]);
     }
 
@@ -185,16 +88,16 @@ impl Asm {
     }
 
     /// An instruction on lanes: `reg` is the result (or its number in the opcode), `v` the first source.
-    pub(crate) fn lanes(&mut self, width: Width, code: Code, reg: u8, v: u8, rm: Rm) {
+    pub(crate) fn lanes(&mut self, width: Width, code: Code, reg: u8, v: u8, rm: Source) {
         match width {
             Width::Sixteen => self.evex(code, reg, v, rm, 0),
             _ => self.vex(width == Width::Eight, code, reg, v, rm),
         }
     }
 
-    fn vex(&mut self, long: bool, Code(prefix, map, number): Code, reg: u8, v: u8, rm: Rm) {
+    pub(super) fn vex(&mut self, long: bool, Code(prefix, map, number): Code, reg: u8, v: u8, rm: Source) {
         let b = match rm {
-            Rm::Reg(r) => r >> 3,
+            Source::Reg(r) => r >> 3,
             _ => 0,
         };
         let second = (!v & 15) << 3 | u8::from(long) << 2 | prefix;
@@ -207,12 +110,12 @@ impl Asm {
     }
 
     /// With mask `k`; 0 for none.
-    fn evex(&mut self, Code(prefix, map, number): Code, reg: u8, v: u8, rm: Rm, k: u8) {
+    pub(super) fn evex(&mut self, Code(prefix, map, number): Code, reg: u8, v: u8, rm: Source, k: u8) {
         let (r, r2) = (reg >> 3 & 1, reg >> 4 & 1);
         let (b, x, each) = match rm {
-            Rm::Reg(n) => (n >> 3 & 1, n >> 4 & 1, 0),
-            Rm::Mem(_) => (0, 0, 0),
-            Rm::Each(_) => (0, 0, 1),
+            Source::Reg(n) => (n >> 3 & 1, n >> 4 & 1, 0),
+            Source::Mem(_) => (0, 0, 0),
+            Source::Each(_) => (0, 0, 1),
         };
         self.raw(&[
             0x62,
@@ -224,12 +127,12 @@ impl Asm {
         self.mod_rm(reg, rm);
     }
 
-    fn mod_rm(&mut self, reg: u8, rm: Rm) {
+    fn mod_rm(&mut self, reg: u8, rm: Source) {
         let reg = (reg & 7) << 3;
         match rm {
-            Rm::Reg(n) => self.raw(&[0xc0 | reg | n & 7]),
+            Source::Reg(n) => self.raw(&[0xc0 | reg | n & 7]),
             // A distance of 32 bits, which is never scaled.
-            Rm::Mem(at) | Rm::Each(at) => {
+            Source::Mem(at) | Source::Each(at) => {
                 self.raw(&[0x83 | reg]);
                 self.distance(at);
             }
@@ -237,34 +140,18 @@ impl Asm {
     }
 
     /// One number of memory, in all lanes; with one lane, zeros in the others.
-    pub(crate) fn load_each(&mut self, width: Width, reg: u8, at: u32) {
+    pub(crate) fn broadcast(&mut self, width: Width, reg: u8, at: u32) {
         match width {
-            Width::One => self.vex(false, Code(2, 1, 0x10), reg, 0, Rm::Mem(at)),
-            _ => self.lanes(width, Code(1, 2, 0x18), reg, 0, Rm::Mem(at)),
-        }
-    }
-
-    /// All lanes of memory.
-    pub(crate) fn load(&mut self, width: Width, reg: u8, at: u32) {
-        match width {
-            Width::One => self.load_each(width, reg, at),
-            _ => self.lanes(width, Code(0, 1, 0x10), reg, 0, Rm::Mem(at)),
-        }
-    }
-
-    /// All lanes to memory.
-    pub(crate) fn store(&mut self, width: Width, reg: u8, at: u32) {
-        match width {
-            Width::One => self.store_one(width, reg, at),
-            _ => self.lanes(width, Code(0, 1, 0x11), reg, 0, Rm::Mem(at)),
+            Width::One => self.vex(false, Code(2, 1, 0x10), reg, 0, Source::Mem(at)),
+            _ => self.lanes(width, Code(1, 2, 0x18), reg, 0, Source::Mem(at)),
         }
     }
 
     /// The first lane to memory.
-    pub(crate) fn store_one(&mut self, width: Width, reg: u8, at: u32) {
+    pub(crate) fn store_first(&mut self, width: Width, reg: u8, at: u32) {
         match width {
-            Width::Sixteen => self.evex(Code(2, 1, 0x11), reg, 0, Rm::Mem(at), 0),
-            _ => self.vex(false, Code(2, 1, 0x11), reg, 0, Rm::Mem(at)),
+            Width::Sixteen => self.evex(Code(2, 1, 0x11), reg, 0, Source::Mem(at), 0),
+            _ => self.vex(false, Code(2, 1, 0x11), reg, 0, Source::Mem(at)),
         }
     }
 
@@ -275,41 +162,22 @@ impl Asm {
                 self.gather_mask(1, reg);
                 self.mask_to_eax(1);
             }
-            _ => self.vex(width == Width::Eight, Code(0, 1, 0x50), 0, 0, Rm::Reg(reg)),
+            _ => self.vex(width == Width::Eight, Code(0, 1, 0x50), 0, 0, Source::Reg(reg)),
         }
-    }
-
-    /// A mask register as ones and zeros in lanes; sixteen lanes, here and below.
-    pub(crate) fn spread_mask(&mut self, reg: u8, k: u8) {
-        self.evex(Code(2, 2, 0x38), reg, 0, Rm::Reg(k), 0);
-    }
-
-    /// The inverse.
-    pub(crate) fn gather_mask(&mut self, k: u8, reg: u8) {
-        self.evex(Code(2, 2, 0x39), k, 0, Rm::Reg(reg), 0);
-    }
-
-    /// The lowest sixteen bits of memory to a mask register.
-    pub(crate) fn load_mask(&mut self, k: u8, at: u32) {
-        self.vex(false, Code(0, 1, 0x90), k, 0, Rm::Mem(at));
     }
 
     /// A mask register to `eax`.
     pub(crate) fn mask_to_eax(&mut self, k: u8) {
-        self.vex(false, Code(0, 1, 0x93), 0, 0, Rm::Reg(k));
+        self.vex(false, Code(0, 1, 0x93), 0, 0, Source::Reg(k));
     }
 
     /// One of `kandw`, `korw` and `kxorw` by its number.
     pub(crate) fn masks(&mut self, number: u8, to: u8, a: u8, b: u8) {
-        self.vex(true, Code(0, 1, number), to, a, Rm::Reg(b));
-    }
-
-    pub(crate) fn not_mask(&mut self, to: u8, k: u8) {
-        self.vex(false, Code(0, 1, 0x44), to, 0, Rm::Reg(k));
+        self.vex(true, Code(0, 1, number), to, a, Source::Reg(b));
     }
 
     /// `yes` where the mask is set, else `no`.
-    pub(crate) fn blend(&mut self, to: u8, k: u8, yes: Rm, no: u8) {
+    pub(crate) fn blend(&mut self, to: u8, k: u8, yes: Source, no: u8) {
         self.evex(Code(1, 2, 0x65), to, no, yes, k);
     }
 }
@@ -321,8 +189,7 @@ mod tests {
     fn bytes(make: impl FnOnce(&mut Asm)) -> Vec<u8> {
         let mut asm = Asm::default();
         make(&mut asm);
-        asm.finish();
-        asm.bytes
+        asm.finish().expect("it is short")
     }
 
     #[test]
@@ -331,32 +198,38 @@ mod tests {
         let eight = Width::Eight;
         let wide = Width::Sixteen;
         // vaddps ymm1, ymm2, ymm3
-        assert_eq!(bytes(|a| a.lanes(eight, add, 1, 2, Rm::Reg(3))), [0xc5, 0xec, 0x58, 0xcb]);
+        assert_eq!(bytes(|a| a.lanes(eight, add, 1, 2, Source::Reg(3))), [0xc5, 0xec, 0x58, 0xcb]);
         // vaddps ymm9, ymm12, ymm15
-        assert_eq!(bytes(|a| a.lanes(eight, add, 9, 12, Rm::Reg(15))), [0xc4, 0x41, 0x1c, 0x58, 0xcf]);
+        assert_eq!(bytes(|a| a.lanes(eight, add, 9, 12, Source::Reg(15))), [0xc4, 0x41, 0x1c, 0x58, 0xcf]);
         // vaddps zmm17, zmm30, zmm9
-        assert_eq!(bytes(|a| a.lanes(wide, add, 17, 30, Rm::Reg(9))), [0x62, 0xc1, 0x0c, 0x40, 0x58, 0xc9]);
+        assert_eq!(
+            bytes(|a| a.lanes(wide, add, 17, 30, Source::Reg(9))),
+            [0x62, 0xc1, 0x0c, 0x40, 0x58, 0xc9]
+        );
         // vaddps zmm1, zmm2, dword [rbx+256]{1to16}, with a distance of 32 bits
         assert_eq!(
-            bytes(|a| a.lanes(wide, add, 1, 2, Rm::Each(256))),
+            bytes(|a| a.lanes(wide, add, 1, 2, Source::Each(256))),
             [0x62, 0xf1, 0x6c, 0x58, 0x58, 0x8b, 0, 1, 0, 0]
         );
         // vmovups [rbx+64], zmm20
-        assert_eq!(bytes(|a| a.store(wide, 20, 64)), [0x62, 0xe1, 0x7c, 0x48, 0x11, 0xa3, 0x40, 0, 0, 0]);
+        assert_eq!(
+            bytes(|a| a.lanes(wide, Code(0, 1, 0x11), 20, 0, Source::Mem(64))),
+            [0x62, 0xe1, 0x7c, 0x48, 0x11, 0xa3, 0x40, 0, 0, 0]
+        );
         // kandw k1, k2, k3; knotw k4, k5; kmovw k2, [rbx+8]; kmovw eax, k3
         assert_eq!(bytes(|a| a.masks(0x41, 1, 2, 3)), [0xc5, 0xec, 0x41, 0xcb]);
         assert_eq!(bytes(|a| a.not_mask(4, 5)), [0xc5, 0xf8, 0x44, 0xe5]);
         assert_eq!(bytes(|a| a.load_mask(2, 8)), [0xc5, 0xf8, 0x90, 0x93, 8, 0, 0, 0]);
         assert_eq!(bytes(|a| a.mask_to_eax(3)), [0xc5, 0xf8, 0x93, 0xc3]);
         // vblendmps zmm1{k2}, zmm3, zmm4
-        assert_eq!(bytes(|a| a.blend(1, 2, Rm::Reg(4), 3)), [0x62, 0xf2, 0x65, 0x4a, 0x65, 0xcc]);
+        assert_eq!(bytes(|a| a.blend(1, 2, Source::Reg(4), 3)), [0x62, 0xf2, 0x65, 0x4a, 0x65, 0xcc]);
         // mov ecx, [rbx+8]
-        assert_eq!(bytes(|a| a.access(Access::Load, Gpr::Ecx, 8)), [0x8b, 0x8b, 8, 0, 0, 0]);
+        assert_eq!(bytes(|a| a.access(Access::Load, Word::B, 8)), [0x8b, 0x8b, 8, 0, 0, 0]);
         // jmp over nothing
         let jump = bytes(|a| {
-            let label = a.label();
+            let label = a.text.label();
             a.jump(label);
-            a.bind(label);
+            a.text.bind(label);
         });
         assert_eq!(jump, [0xe9, 0, 0, 0, 0]);
     }

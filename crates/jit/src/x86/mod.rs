@@ -1,343 +1,395 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Machine code for x86-64 with AVX2 or AVX-512.
-//! Control is on masks in memory, sixteen bits each, with branches that skip code without running lanes;
-//! computation is in regions. A layer is a function; `rbx` is the memory, `r12` the argument of calls, `r13`
-//! their target. `asm` encodes, `region` allocates registers.
+//! `rbx` is the memory, `r12` the argument of calls, `r13` their target; `eax` and `ecx` are the words of
+//! control. AVX-512 keeps masks in k2 to k7; k1 is for work.
+//! `asm` encodes.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 mod asm;
-mod region;
 
 use gnurt_simd::Level;
+use std::ops::Range;
 
-use crate::layout::{CellAddress, Layout, SPILLS};
-use crate::op::Region;
-use crate::program::{Loop, Node, Program, Test, Tight};
-use asm::{Access, Asm, Gpr, Label, When, Width};
-use region::Areas;
+use crate::isa::{Areas, Choice, FromMemory, Isa, Label, Source, Text, Width, Word};
+use crate::layout::Layout;
+use crate::op::{Binary, Shift, Unary};
+use asm::{Access, Code, When};
 
-use Gpr::{Eax, Ecx};
+pub(crate) use asm::Asm;
 
-/// The machine code of a group.
-pub(crate) struct Code {
-    /// The bytes; they may be put anywhere.
-    pub(crate) bytes: Vec<u8>,
-    /// Where each layer starts. The entry is at 0.
-    pub(crate) layers: Vec<u32>,
-}
-
-/// How often a constant is repeated in memory, so that a register can be loaded from there.
-pub(crate) fn copies(level: Level) -> u32 {
-    if level == Level::Avx512 { 4 } else { 8 }
-}
-
-/// Makes the code of a program for a level.
-///
-/// # Errors
-/// That too many values are needed at once.
-pub(crate) fn code(program: &Program, layout: &mut Layout, level: Level) -> Result<Code, String> {
-    let wide = match (layout.lanes, level) {
-        (1, _) => Width::One,
-        (_, Level::Avx512) => Width::Sixteen,
-        _ => Width::Eight,
-    };
-    let mut asm = Asm::default();
-    // entry(memory, context, calls, layer): keeps the registers that are not its own.
-    asm.raw(&[0x53, 0x41, 0x54, 0x41, 0x55]); // push rbx, r12, r13
-    asm.raw(&[0x48, 0x89, 0xfb, 0x49, 0x89, 0xf4, 0x49, 0x89, 0xd5]); // mov rbx, rdi; r12, rsi; r13, rdx
-    asm.raw(&[0xff, 0xd1]); // call rcx
-    asm.raw(&[0xc5, 0xf8, 0x77]); // vzeroupper
-    asm.raw(&[0x41, 0x5d, 0x41, 0x5c, 0x5b, 0xc3]); // pop r13, r12, rbx; ret
-    let layers: Vec<Label> = program.layers.iter().map(|_| asm.label()).collect();
-    let mut emitter = Emitter { asm, layout, wide, layers, most: 0 };
-    for (number, layer) in program.layers.iter().enumerate() {
-        emitter.layer(number, layer);
-    }
-    if emitter.most > SPILLS {
-        return Err(format!("more than {SPILLS} values are needed at once"));
-    }
-    emitter.asm.finish();
-    let layers = emitter.layers.iter().map(|&l| emitter.asm.address(l)).collect();
-    Ok(Code { bytes: emitter.asm.bytes, layers })
-}
-
-struct Emitter<'a> {
-    asm: Asm,
-    layout: &'a mut Layout,
-    wide: Width,
-    layers: Vec<Label>,
-    /// Rooms for values without a register.
-    most: u32,
-}
-
-impl Emitter<'_> {
-    fn load(&mut self, reg: Gpr, slot: u32) {
-        self.asm.access(Access::Load, reg, Layout::slot(slot));
+impl Isa for Asm {
+    fn wide(level: Level) -> Width {
+        if level == Level::Avx512 { Width::Sixteen } else { Width::Eight }
     }
 
-    fn store(&mut self, reg: Gpr, slot: u32) {
-        self.asm.access(Access::Store, reg, Layout::slot(slot));
+    fn copies(level: Level) -> u32 {
+        if level == Level::Avx512 { 4 } else { 8 }
     }
 
-    fn load_exec(&mut self) {
-        self.asm.access(Access::Load, Eax, Layout::EXEC);
+    fn registers(width: Width) -> usize {
+        if width == Width::Sixteen { 32 } else { 16 }
     }
 
-    fn store_exec(&mut self) {
-        self.asm.access(Access::Store, Eax, Layout::EXEC);
+    fn mask_registers(width: Width) -> Range<usize> {
+        if width == Width::Sixteen { 2..8 } else { 0..0 }
     }
 
-    /// `eax &= !slot`
-    fn without(&mut self, slot: u32) {
-        self.load(Ecx, slot);
-        self.asm.not(Ecx);
-        self.asm.and(Eax, Ecx);
-    }
-
-    fn layer(&mut self, number: usize, layer: &crate::program::Layer) {
-        self.asm.bind(self.layers[number]);
-        self.asm.raw(&[0x48, 0x83, 0xec, 0x08]); // sub rsp, 8
-        let out = self.asm.label();
-        self.load_exec();
-        self.store(Eax, layer.entry);
-        self.without(layer.done);
-        self.asm.test(Eax, Eax);
-        self.asm.jump_if(When::Zero, out);
-        self.store_exec();
-        self.asm.access(Access::OrInto, Eax, Layout::slot(layer.done));
-        self.block(&layer.code);
-        self.load(Eax, layer.entry);
-        self.store_exec();
-        self.asm.bind(out);
-        self.asm.raw(&[0x48, 0x83, 0xc4, 0x08, 0xc3]); // add rsp, 8; ret
-    }
-
-    /// Nodes in order; none of them is done by no lane.
-    fn block(&mut self, nodes: &[Node]) {
-        let end = self.asm.label();
-        for (i, node) in nodes.iter().enumerate() {
-            self.node(node);
-            if i + 1 < nodes.len() && node.leaves() {
-                self.asm.compare_word_with_zero(Layout::EXEC);
-                self.asm.jump_if(When::Zero, end);
-            }
-        }
-        self.asm.bind(end);
-    }
-
-    fn node(&mut self, node: &Node) {
-        match node {
-            Node::Region(region) => self.region(region),
-            Node::Call(number) => self.call(*number),
-            Node::If { test, yes, no, other, done } => self.choice(*test, yes, no, *other, *done),
-            Node::Loop(inner) => self.iterations(inner),
-            Node::Tight(inner) => self.tight(inner),
-            Node::Frame { body, entry, left, gone } => {
-                self.asm.set_bits(Layout::slot(*left), 0);
-                self.load_exec();
-                self.store(Eax, *entry);
-                self.block(body);
-                self.load(Eax, *entry);
-                if let Some(gone) = gone {
-                    self.without(*gone);
-                }
-                self.store_exec();
-            }
-            Node::Once { flag, entry, body } => {
-                let out = self.asm.label();
-                self.load_exec();
-                self.store(Eax, *entry);
-                self.without(*flag);
-                self.asm.test(Eax, Eax);
-                self.asm.jump_if(When::Zero, out);
-                self.store_exec();
-                self.asm.access(Access::OrInto, Eax, Layout::slot(*flag));
-                self.block(body);
-                self.load(Eax, *entry);
-                self.store_exec();
-                self.asm.bind(out);
-            }
-            Node::Layer(number) => {
-                let label = self.layers[*number as usize];
-                self.asm.call(label);
-            }
-            Node::Leave(note) => {
-                if let Some(note) = note {
-                    self.load_exec();
-                    self.asm.access(Access::OrInto, Eax, Layout::slot(*note));
-                }
-                self.asm.set_bits(Layout::EXEC, 0);
-            }
-            Node::LeaveSome { lanes, note } => {
-                self.load_exec();
-                self.load(Ecx, *lanes);
-                self.asm.and(Ecx, Eax);
-                if let Some(note) = note {
-                    self.asm.access(Access::OrInto, Ecx, Layout::slot(*note));
-                }
-                self.asm.raw(&[0x31, 0xc8]); // xor eax, ecx
-                self.store_exec();
-            }
+    fn from_memory(width: Width) -> FromMemory {
+        match width {
+            Width::One => FromMemory::Nothing,
+            Width::Sixteen => FromMemory::All,
+            _ => FromMemory::Rows,
         }
     }
 
-    fn region(&mut self, region: &Region) {
-        let [lane_bits, scratch, spills] = self.layout.areas();
-        let one = region.tests.is_empty()
-            && region
-                .stores
-                .iter()
-                .all(|&(cell, _)| matches!(self.layout.address(cell), CellAddress::One(_)));
-        let width = if one { Width::One } else { self.wide };
-        let most =
-            region::region(&mut self.asm, self.layout, region, width, Areas { spills, scratch, lane_bits });
-        self.most = self.most.max(most);
+    fn rotates(width: Width) -> bool {
+        width == Width::Sixteen
     }
 
-    fn call(&mut self, number: u32) {
-        self.asm.raw(&[0xc5, 0xf8, 0x77, 0x4c, 0x89, 0xe7, 0xbe]); // vzeroupper; mov rdi, r12; mov esi, number
-        self.asm.raw(&number.to_le_bytes());
-        self.asm.raw(&[0x41, 0xff, 0xd5]); // call r13
+    fn choice(width: Width) -> Choice {
+        if width == Width::Sixteen { Choice::IntoMask } else { Choice::Anywhere }
     }
 
-    fn choice(&mut self, test: Test, yes: &[Node], no: &[Node], other: u32, done: u32) {
-        let (otherwise, end) = (self.asm.label(), self.asm.label());
-        let lanes = match test {
-            Test::Cell(cell) => {
-                let (CellAddress::One(at) | CellAddress::Each(at)) = self.layout.address(cell);
-                self.asm.compare_word_with_zero(at);
-                self.asm.jump_if(When::Zero, otherwise);
-                self.block(yes);
-                if !no.is_empty() {
-                    self.asm.jump(end);
-                }
-                self.asm.bind(otherwise);
-                self.block(no);
-                self.asm.bind(end);
-                return;
-            }
-            Test::Lanes(lanes) => lanes,
-        };
-        // ecx = those of the first block, eax = the others.
-        self.load_exec();
-        self.load(Ecx, lanes);
-        self.asm.and(Ecx, Eax);
-        self.asm.raw(&[0x31, 0xc8]); // xor eax, ecx
-        self.store(Eax, other);
-        self.asm.access(Access::Store, Ecx, Layout::EXEC);
-        self.store(Ecx, done);
-        self.asm.test(Ecx, Ecx);
-        self.asm.jump_if(When::Zero, otherwise);
-        self.block(yes);
-        if yes.iter().any(Node::leaves) {
-            self.load_exec();
-            self.store(Eax, done);
+    fn leaves_test(width: Width) -> bool {
+        width == Width::Sixteen
+    }
+
+    fn text(&mut self) -> &mut Text {
+        &mut self.text
+    }
+
+    fn finish(&mut self) -> Result<Vec<u8>, String> {
+        self.text.finish(|place, distance| {
+            // From the end of the instruction, which is that of the four bytes.
+            *place = distance.wrapping_sub(4).to_le_bytes();
+            Ok(())
+        })
+    }
+
+    fn entry(&mut self) {
+        self.raw(&[0x53, 0x41, 0x54, 0x41, 0x55]); // push rbx, r12, r13
+        self.raw(&[0x48, 0x89, 0xfb, 0x49, 0x89, 0xf4, 0x49, 0x89, 0xd5]); // mov rbx, rdi; r12, rsi; r13, rdx
+        self.raw(&[0xff, 0xd1]); // call rcx
+        self.raw(&[0xc5, 0xf8, 0x77]); // vzeroupper
+        self.raw(&[0x41, 0x5d, 0x41, 0x5c, 0x5b, 0xc3]); // pop r13, r12, rbx; ret
+    }
+
+    fn start_function(&mut self) {
+        self.raw(&[0x48, 0x83, 0xec, 0x08]); // sub rsp, 8
+    }
+
+    fn end_function(&mut self) {
+        self.raw(&[0x48, 0x83, 0xc4, 0x08, 0xc3]); // add rsp, 8; ret
+    }
+
+    fn call(&mut self, label: Label) {
+        self.raw(&[0xe8]);
+        self.text.jump([0; 4], label);
+    }
+
+    fn call_out(&mut self, number: u32) {
+        self.raw(&[0xc5, 0xf8, 0x77, 0x4c, 0x89, 0xe7, 0xbe]); // vzeroupper; mov rdi, r12; mov esi, number
+        self.raw(&number.to_le_bytes());
+        self.raw(&[0x41, 0xff, 0xd5]); // call r13
+    }
+
+    fn jump(&mut self, label: Label) {
+        self.raw(&[0xe9]);
+        self.text.jump([0; 4], label);
+    }
+
+    fn jump_if_zero(&mut self, word: Word, label: Label) {
+        self.test(word, word);
+        self.jump_if(When::Zero, label);
+    }
+
+    fn jump_if_not_zero(&mut self, word: Word, label: Label) {
+        self.test(word, word);
+        self.jump_if(When::NotZero, label);
+    }
+
+    fn jump_if_zero_at(&mut self, at: u32, label: Label) {
+        self.compare_word_with_zero(at);
+        self.jump_if(When::Zero, label);
+    }
+
+    fn spend(&mut self, at: u32, less: u32, label: Label) {
+        self.subtract_from_word(at, less);
+        self.jump_if(When::NotNegative, label);
+    }
+
+    fn load_word(&mut self, word: Word, at: u32) {
+        self.access(Access::Load, word, at);
+    }
+
+    fn store_word(&mut self, word: Word, at: u32) {
+        self.access(Access::Store, word, at);
+    }
+
+    fn and_word(&mut self, word: Word, at: u32) {
+        self.access(Access::And, word, at);
+    }
+
+    fn or_word(&mut self, word: Word, at: u32) {
+        self.access(Access::Or, word, at);
+    }
+
+    fn or_into(&mut self, word: Word, at: u32) {
+        self.access(Access::OrInto, word, at);
+    }
+
+    fn clear(&mut self, at: u32) {
+        self.set_bits(at, 0);
+    }
+
+    fn and(&mut self, to: Word, from: Word) {
+        self.raw(&[0x21, 0xc0 | (from as u8) << 3 | to as u8]);
+    }
+
+    fn xor(&mut self, to: Word, from: Word) {
+        self.raw(&[0x31, 0xc0 | (from as u8) << 3 | to as u8]);
+    }
+
+    fn and_not(&mut self, to: Word, from: Word) {
+        self.not(from);
+        self.and(to, from);
+    }
+
+    fn zero(&mut self, width: Width, reg: u8) {
+        self.lanes(width, XOR, reg, reg, Source::Reg(reg));
+    }
+
+    fn load_constant(&mut self, width: Width, reg: u8, at: u32) {
+        match width {
+            Width::Sixteen => self.broadcast(width, reg, at),
+            _ => self.lanes(width, LOAD, reg, 0, Source::Mem(at)),
         }
-        self.asm.bind(otherwise);
-        self.load(Eax, other);
-        if no.is_empty() {
-            self.asm.access(Access::Or, Eax, Layout::slot(done));
-            self.store_exec();
+    }
+
+    fn load_each(&mut self, width: Width, reg: u8, at: u32) {
+        self.broadcast(width, reg, at);
+    }
+
+    fn load(&mut self, width: Width, reg: u8, at: u32) {
+        match width {
+            Width::One => self.broadcast(width, reg, at),
+            _ => self.lanes(width, LOAD, reg, 0, Source::Mem(at)),
+        }
+    }
+
+    fn store(&mut self, width: Width, reg: u8, at: u32) {
+        match width {
+            Width::One => self.store_first(width, reg, at),
+            _ => self.save(width, reg, at),
+        }
+    }
+
+    fn store_one(&mut self, width: Width, reg: u8, at: u32) {
+        self.store_first(width, reg, at);
+    }
+
+    fn save(&mut self, width: Width, reg: u8, at: u32) {
+        self.lanes(width, Code(0, 1, 0x11), reg, 0, Source::Mem(at));
+    }
+
+    fn restore(&mut self, width: Width, reg: u8, at: u32) {
+        self.lanes(width, LOAD, reg, 0, Source::Mem(at));
+    }
+
+    fn exec(&mut self, width: Width, reg: u8, lane: u32, areas: Areas) {
+        if width == Width::Sixteen {
+            self.load_mask(1, Layout::EXEC);
+            self.spread_mask(reg, 1);
             return;
         }
-        self.store_exec();
-        self.asm.test(Eax, Eax);
-        self.asm.jump_if(When::Zero, end);
-        self.block(no);
-        self.asm.bind(end);
-        self.load_exec();
-        self.asm.access(Access::Or, Eax, Layout::slot(done));
-        self.store_exec();
+        let bits = areas.lane_bits + 4 * lane;
+        let long = Width::Eight;
+        self.broadcast(long, reg, Layout::EXEC);
+        self.lanes(long, AND, reg, reg, Source::Mem(bits));
+        self.lanes(long, Code(1, 1, 0x76), reg, reg, Source::Mem(bits));
     }
 
-    /// Keeps the lanes that a region has let go on.
-    fn go_on(&mut self, live: u32) {
-        if self.wide == Width::Sixteen {
-            // The region's test has left its bits in eax.
-            self.asm.access(Access::And, Eax, Layout::EXEC);
+    fn copy(&mut self, width: Width, to: u8, from: u8) {
+        self.lanes(width, Code(0, 1, 0x28), to, 0, Source::Reg(from));
+    }
+
+    fn unary(&mut self, width: Width, what: Unary, to: u8, from: Source) {
+        let (code, round) = match what {
+            Unary::Sqrt => (Code(0, 1, 0x51), None),
+            Unary::Floor => (Code(1, 3, 0x08), Some(9)),
+            Unary::Ceil => (Code(1, 3, 0x08), Some(10)),
+            Unary::Trunc => (Code(1, 3, 0x08), Some(11)),
+            Unary::ToInt => (Code(2, 1, 0x5b), None),
+            Unary::FromInt => (Code(0, 1, 0x5b), None),
+        };
+        self.lanes(width, code, to, 0, from);
+        if let Some(mode) = round {
+            self.raw(&[mode]);
+        }
+    }
+
+    fn binary(&mut self, width: Width, what: Binary, to: u8, a: u8, b: Source) {
+        if what.compares() {
+            self.compare(width, what, to, a, b);
         } else {
-            self.load_exec();
-            self.asm.access(Access::And, Eax, Layout::slot(live));
+            self.lanes(width, code(what), to, a, b);
         }
-        self.store_exec();
-        self.asm.test(Eax, Eax);
     }
 
-    /// Takes the fuel of one iteration. Where none is left all iterating lanes are noted as stopped, and leave the loop.
-    fn spend_fuel(&mut self, [turns, say, stopped]: [u32; 3], done: Label) {
-        let fueled = self.asm.label();
-        self.asm.subtract_from_word(Layout::FUEL, turns);
-        self.asm.jump_if(When::NotNegative, fueled);
-        // No more iterations are allowed.
-        self.asm.set_bits(Layout::FUEL, 0);
-        self.call(say);
-        self.load_exec();
-        self.asm.access(Access::OrInto, Eax, Layout::slot(stopped));
-        self.asm.jump(done);
-        self.asm.bind(fueled);
+    fn shift(&mut self, width: Width, what: Shift, to: u8, from: u8, by: u8) {
+        let number = match what {
+            Shift::Up => 6,
+            Shift::Down => 2,
+            Shift::Around => 1,
+        };
+        self.lanes(width, Code(1, 1, 0x72), number, to, Source::Reg(from));
+        self.raw(&[by]);
     }
 
-    fn tight(&mut self, inner: &Tight) {
-        let [top, done] = [self.asm.label(), self.asm.label()];
-        self.load_exec();
-        self.store(Eax, inner.entry);
-        if !inner.body_first {
-            self.block(&inner.before);
-            self.go_on(inner.live);
-            self.asm.jump_if(When::Zero, done);
-        }
-        self.asm.bind(top);
-        self.spend_fuel([inner.turns, inner.say, inner.stopped], done);
-        self.block(&inner.iteration);
-        self.go_on(inner.live);
-        self.asm.jump_if(When::NotZero, top);
-        self.asm.bind(done);
-        self.load(Eax, inner.entry);
-        self.without(inner.stopped);
-        self.store_exec();
+    fn choose(&mut self, width: Width, to: u8, mask: u8, yes: Source, no: u8) {
+        self.lanes(width, Code(1, 3, 0x4a), to, no, yes);
+        self.raw(&[mask << 4]);
     }
 
-    fn iterations(&mut self, inner: &Loop) {
-        let (top, body, done) = (self.asm.label(), self.asm.label(), self.asm.label());
-        self.load_exec();
-        self.store(Eax, inner.entry);
-        self.store(Eax, inner.live);
-        if inner.body_first {
-            self.asm.jump(body);
-        }
-        self.asm.bind(top);
-        self.block(&inner.test);
-        match inner.condition {
-            Test::Cell(cell) => {
-                let (CellAddress::One(at) | CellAddress::Each(at)) = self.layout.address(cell);
-                self.asm.compare_word_with_zero(at);
-            }
-            Test::Lanes(lanes) => {
-                self.load_exec();
-                self.asm.access(Access::And, Eax, Layout::slot(lanes));
-                self.store_exec();
-                self.store(Eax, inner.live);
-                self.asm.test(Eax, Eax);
+    fn choose_into_mask(&mut self, width: Width, mask: u8, yes: u8, no: Source) {
+        // The mask's bits choose between the other two.
+        self.lanes(width, Code(1, 3, 0x25), mask, yes, no);
+        self.raw(&[0xca]);
+    }
+
+    /// Lane by lane, as the CPU has no division of whole numbers in lanes.
+    fn divide(&mut self, width: Width, what: Binary, a: u8, b: u8, areas: Areas) {
+        let (x, y) = (areas.scratch, areas.scratch + 64);
+        self.save(width, a, x);
+        self.save(width, b, y);
+        let indexed = |asm: &mut Self, number: u8, reg: u8, at: u32| {
+            asm.raw(&[number, 0x84 | reg << 3, 0x8b]);
+            asm.raw(&at.to_le_bytes());
+        };
+        let asm = self;
+        let (top, special, done) = (asm.text.label(), asm.text.label(), asm.text.label());
+        asm.raw(&[0x31, 0xc9]); // xor ecx, ecx
+        asm.text.bind(top);
+        indexed(asm, 0x8b, 0, x); // mov eax, [rbx+rcx*4+x]
+        indexed(asm, 0x8b, 7, y); // mov edi, [rbx+rcx*4+y]
+        asm.raw(&[0x8d, 0x57, 0x01]); // lea edx, [rdi+1]
+        asm.raw(&[0x83, 0xfa, 0x01]); // cmp edx, 1
+        asm.jump_if(When::AtMost, special);
+        asm.raw(&[0x99, 0xf7, 0xff]); // cdq; idiv edi
+        match what {
+            Binary::IntDiv => {}
+            Binary::IntRem => asm.raw(&[0x89, 0xd0]), // mov eax, edx
+            _ => {
+                asm.raw(&[0x89, 0xd0]);
+                asm.raw(&[0x85, 0xc0, 0x79, 0x02]); // test eax, eax; jns over
+                asm.raw(&[0x01, 0xf8]); // add eax, edi
             }
         }
-        self.asm.jump_if(When::Zero, done);
-        self.asm.bind(body);
-        self.spend_fuel([inner.turns, inner.say, inner.stopped], done);
-        self.asm.set_bits(Layout::slot(inner.waiting), 0);
-        self.block(&inner.body);
-        self.load_exec();
-        self.asm.access(Access::Or, Eax, Layout::slot(inner.waiting));
-        self.store_exec();
-        self.store(Eax, inner.live);
-        self.asm.test(Eax, Eax);
-        self.asm.jump_if(When::Zero, done);
-        self.block(&inner.step);
-        self.asm.jump(top);
-        self.asm.bind(done);
-        self.load(Eax, inner.entry);
-        for &gone in &inner.gone {
-            self.without(gone);
+        asm.jump(done);
+        asm.text.bind(special);
+        if what == Binary::IntDiv {
+            // By 0 it is 0, by -1 the negative.
+            asm.raw(&[0xf7, 0xd8, 0x21, 0xf8]); // neg eax; and eax, edi
+        } else {
+            asm.raw(&[0x31, 0xc0]); // xor eax, eax
         }
-        self.store_exec();
+        asm.text.bind(done);
+        indexed(asm, 0x89, 0, x); // mov [rbx+rcx*4+x], eax
+        asm.raw(&[0xff, 0xc1]); // inc ecx
+        asm.raw(&[0x83, 0xf9, width.lanes() as u8]); // cmp ecx, lanes
+        asm.jump_if(When::NotZero, top);
+    }
+
+    fn quotient(&mut self, width: Width, to: u8, areas: Areas) {
+        self.load(width, to, areas.scratch);
+    }
+
+    fn write_test(&mut self, width: Width, reg: u8, lane: u32, at: u32, _: Areas) {
+        self.signs(width, reg);
+        if lane > 0 {
+            // A word that is stored in bytes is read late.
+            self.raw(&[0xc1, 0xe0, 0x08]); // shl eax, 8
+            self.access(Access::OrInto, Word::A, at);
+        } else {
+            self.access(Access::Store, Word::A, at);
+        }
+    }
+
+    fn spread_mask(&mut self, reg: u8, k: u8) {
+        self.evex(Code(2, 2, 0x38), reg, 0, Source::Reg(k), 0);
+    }
+
+    fn gather_mask(&mut self, k: u8, reg: u8) {
+        self.evex(Code(2, 2, 0x39), k, 0, Source::Reg(reg), 0);
+    }
+
+    fn load_mask(&mut self, k: u8, at: u32) {
+        self.vex(false, Code(0, 1, 0x90), k, 0, Source::Mem(at));
+    }
+
+    fn compare(&mut self, width: Width, what: Binary, k: u8, a: u8, b: Source) {
+        let (code, order) = comparison(what);
+        self.lanes(width, code, k, a, b);
+        self.raw(order.as_slice());
+    }
+
+    fn combine_masks(&mut self, what: Binary, to: u8, a: u8, b: u8) {
+        let number = match what {
+            Binary::And => 0x41,
+            Binary::Or => 0x45,
+            _ => 0x47,
+        };
+        self.masks(number, to, a, b);
+    }
+
+    fn not_mask(&mut self, to: u8, k: u8) {
+        self.vex(false, Code(0, 1, 0x44), to, 0, Source::Reg(k));
+    }
+
+    fn choose_by_mask(&mut self, _: Width, to: u8, k: u8, yes: Source, no: u8) {
+        self.blend(to, k, yes, no);
+    }
+
+    fn write_mask(&mut self, k: u8, at: u32) {
+        self.mask_to_eax(k);
+        self.access(Access::Store, Word::A, at);
+    }
+}
+
+/// Lanes from memory.
+const LOAD: Code = Code(0, 1, 0x10);
+const AND: Code = Code(1, 1, 0xdb);
+const OR: Code = Code(1, 1, 0xeb);
+const XOR: Code = Code(1, 1, 0xef);
+
+/// A comparison, and the order that follows it for floats.
+fn comparison(what: Binary) -> (Code, Option<u8>) {
+    match what {
+        Binary::IntEqual => (Code(1, 1, 0x76), None),
+        Binary::IntGreater => (Code(1, 1, 0x66), None),
+        Binary::Equal => (Code(0, 1, 0xc2), Some(0)),
+        Binary::Less => (Code(0, 1, 0xc2), Some(1)),
+        _ => (Code(0, 1, 0xc2), Some(2)),
+    }
+}
+
+fn code(what: Binary) -> Code {
+    match what {
+        Binary::Add => Code(0, 1, 0x58),
+        Binary::Sub => Code(0, 1, 0x5c),
+        Binary::Mul => Code(0, 1, 0x59),
+        Binary::Div => Code(0, 1, 0x5e),
+        Binary::And => AND,
+        Binary::Or => OR,
+        Binary::Xor => XOR,
+        Binary::IntAdd => Code(1, 1, 0xfe),
+        Binary::IntSub => Code(1, 1, 0xfa),
+        Binary::IntMul => Code(1, 2, 0x40),
+        Binary::IntMin => Code(1, 2, 0x39),
+        Binary::IntMax => Code(1, 2, 0x3d),
+        Binary::Up => Code(1, 2, 0x47),
+        Binary::Down => Code(1, 2, 0x45),
+        Binary::SignedDown => Code(1, 2, 0x46),
+        _ => unreachable!("made elsewhere"),
     }
 }
