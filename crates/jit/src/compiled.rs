@@ -13,7 +13,7 @@ use crate::ffi_memory::Executable;
 use crate::isa::Isa;
 use crate::layout::{CellAddress, Layout};
 use crate::program::Program;
-use crate::{lower, x86};
+use crate::{aarch64, lower, x86};
 
 /// Why there is no machine code, and the interpreter runs a group.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,18 +73,22 @@ impl Compiled {
     /// Whether this machine can run code for a level.
     #[must_use]
     pub fn can(level: Level) -> bool {
-        cfg!(all(target_arch = "x86_64", any(unix, windows)))
-            && matches!(level, Level::Avx2 | Level::Avx512)
-            && level.is_available()
+        let has_memory = cfg!(any(unix, windows));
+        let has_code = matches!(level, Level::Avx2 | Level::Avx512 | Level::Neon);
+        has_memory && has_code && level.is_available()
     }
 
     fn with_lanes(plan: Arc<Plan>, level: Level, lanes: usize) -> Result<Self, NoCode> {
         if !Self::can(level) {
-            let why = format!("machine code is unsupported for {level}; valid are avx2 and avx512");
+            let why = format!("machine code is unsupported for {level}; valid are avx2, avx512 and neon");
             return Err(NoCode::Here(why));
         }
         let program = lower::program(&plan, lanes).map_err(NoCode::OfGroup)?;
-        let (layout, made) = encoded::<x86::Asm>(&program, lanes, level).map_err(NoCode::OfGroup)?;
+        let made = match level {
+            Level::Neon => encoded::<aarch64::Asm>(&program, lanes, level),
+            _ => encoded::<x86::Asm>(&program, lanes, level),
+        };
+        let (layout, made) = made.map_err(NoCode::OfGroup)?;
         let code = Executable::new(&made.bytes).map_err(NoCode::Here)?;
         let flat = layout.template(&plan.memory);
         let mut template = vec![Line([0; 16]); flat.len().div_ceil(16)];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Calls machine code, and is called by it.
-//! The convention is that of the System V ABI on all systems.
+//! The convention is that of the System V ABI on all systems with x86-64, and the system's own on ARM.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use std::any::Any;
@@ -33,38 +33,52 @@ struct Context<'a, C> {
     panic: Option<Box<dyn Any + Send>>,
 }
 
-#[cfg(target_arch = "x86_64")]
-extern "sysv64" fn receive<C: Calls>(context: *mut Context<'_, C>, number: u32) {
-    // SAFETY: `enter` passed this pointer to the code, and does not use its target until the code returns.
-    let context = unsafe { &mut *context };
-    if context.panic.is_some() {
-        return;
-    }
-    // SAFETY: the memory that `enter` was given; the code does not touch it until this returns.
-    let memory = unsafe { std::slice::from_raw_parts_mut(context.memory, context.length) };
-    // A panic must not pass through code that has no tables for it.
-    if let Err(panic) = catch_unwind(AssertUnwindSafe(|| context.calls.call(memory, number))) {
-        context.panic = Some(panic);
-    }
+/// The crossing in both directions by a calling convention.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+macro_rules! crossing {
+    ($convention:literal) => {
+        extern $convention fn receive<C: Calls>(context: *mut Context<'_, C>, number: u32) {
+            // SAFETY: `enter` passed this pointer to the code, and does not use its target until the code returns.
+            let context = unsafe { &mut *context };
+            if context.panic.is_some() {
+                return;
+            }
+            // SAFETY: the memory that `enter` was given; the code does not touch it until this returns.
+            let memory = unsafe { std::slice::from_raw_parts_mut(context.memory, context.length) };
+            // A panic must not pass through code that has no tables for it.
+            if let Err(panic) = catch_unwind(AssertUnwindSafe(|| context.calls.call(memory, number))) {
+                context.panic = Some(panic);
+            }
+        }
+
+        /// The function at the start of code.
+        type Entry<'a, C> = extern $convention fn(
+            *mut u32,
+            *mut Context<'a, C>,
+            extern $convention fn(*mut Context<'a, C>, u32),
+            *const u8,
+        );
+    };
 }
 
-/// Runs a layer's code, which starts `layer` bytes into it.
+// One encoder serves all systems.
 #[cfg(target_arch = "x86_64")]
+crossing!("sysv64");
+#[cfg(target_arch = "aarch64")]
+crossing!("C");
+
+/// Runs a layer's code, which starts `layer` bytes into it.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 pub(crate) fn enter<C: Calls>(code: &Executable, layer: u32, memory: &mut [Line], calls: &mut C) {
-    type Entry<'a, C> = extern "sysv64" fn(
-        *mut u32,
-        *mut Context<'a, C>,
-        extern "sysv64" fn(*mut Context<'a, C>, u32),
-        *const u8,
-    );
     let memory = cell_values(memory);
     let mut context = Context { calls, memory: memory.as_mut_ptr(), length: memory.len(), panic: None };
     #[expect(clippy::disallowed_methods, reason = "an address becomes a function: nothing else does that")]
-    // SAFETY: `x86::code` puts a function of this type at the start of its output, and `layer` is one of its
+    // SAFETY: `Isa::entry` puts a function of this type at the start of code, and `layer` is one of its
     // offsets. The memory has the layout of the code.
     let (entry, layer): (Entry<'_, C>, *const u8) = unsafe {
         (std::mem::transmute::<*const u8, Entry<'_, C>>(code.start()), code.start().add(layer as usize))
     };
+    crate::ffi_memory::see_code();
     entry(context.memory, &mut context, receive::<C>, layer);
     if let Some(panic) = context.panic {
         resume_unwind(panic);
@@ -72,7 +86,7 @@ pub(crate) fn enter<C: Calls>(code: &Executable, layer: u32, memory: &mut [Line]
 }
 
 /// There is no code for this kind of CPU: nothing comes here.
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 pub(crate) fn enter<C: Calls>(code: &Executable, layer: u32, memory: &mut [Line], calls: &mut C) {
     let memory = cell_values(memory);
     let mut context = Context { calls, memory: memory.as_mut_ptr(), length: memory.len(), panic: None };
@@ -81,5 +95,5 @@ pub(crate) fn enter<C: Calls>(code: &Executable, layer: u32, memory: &mut [Line]
         resume_unwind(panic);
     }
     let _ = &mut context.calls;
-    unreachable!("code is only made for x86-64");
+    unreachable!("code is only made for x86-64 and aarch64");
 }

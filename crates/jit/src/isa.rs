@@ -14,6 +14,8 @@ use crate::op::{Binary, Shift, Unary};
 pub(crate) enum Width {
     /// A vector of which the first lane counts.
     One,
+    /// 128 bits.
+    Four,
     /// 256 bits.
     Eight,
     /// 512 bits.
@@ -25,6 +27,7 @@ impl Width {
     pub(crate) const fn lanes(self) -> usize {
         match self {
             Self::One => 1,
+            Self::Four => 4,
             Self::Eight => 8,
             Self::Sixteen => 16,
         }

@@ -3,8 +3,8 @@
 //!
 //! Stages of a group: `lower` makes a program of it (control on masks of sixteen bits, and regions of
 //! operations without branches). `control` and `region` make machine code of that; what they need of a
-//! machine is the trait in `isa`. `x86` has it for AVX2 and AVX-512. `ffi_memory` keeps the code, [`Lanes`]
-//! runs it. The library's functions are compiled in instead of called: they are written over a trait of
+//! machine is the trait in `isa`. `x86` has it for AVX2 and AVX-512, `aarch64` for NEON. `ffi_memory` keeps
+//! the code, [`Lanes`] runs it. The library's functions are compiled in instead of called: they are written over a trait of
 //! numbers, and `term` is a number that records its operations. The interpreter executes operations without
 //! code (texts, messages, closures, queries of the renderer), lane by lane, in the middle of the code.
 //!
@@ -12,10 +12,11 @@
 //! Tests: `tests/`.
 
 #![cfg_attr(
-    not(all(target_arch = "x86_64", any(unix, windows))),
-    allow(dead_code, reason = "other machines have no code yet: the interpreter runs")
+    not(all(any(target_arch = "x86_64", target_arch = "aarch64"), any(unix, windows))),
+    allow(dead_code, reason = "other machines have no code: the interpreter runs")
 )]
 
+mod aarch64;
 mod cache;
 mod compiled;
 mod control;

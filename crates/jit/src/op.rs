@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operations on lanes, and their meaning for one lane. A value is 32 bits a lane: a float, a whole number,
 //! or a mask of ones or zeros.
-//! Invariant: every back end computes the result of [`Op::apply`], bit for bit, except for the bits of NaNs.
+//! Invariant: every back end computes the result of [`Op::apply`], bit for bit, except for the bits of NaNs and
+//! of [`Unary::ToInt`] where a number is too high.
 //! Tests: `tests/agreement.rs`.
 
 /// Number of a value in its region.
@@ -33,7 +34,8 @@ pub(crate) enum Unary {
     Floor,
     Ceil,
     Trunc,
-    /// Float to whole number, towards zero; the least whole number where it does not fit.
+    /// Float to whole number, towards zero; the least one where it is too low. Where it is too high or NaN,
+    /// machines differ, and [`term`](crate::term) chooses another value.
     ToInt,
     /// Whole number with sign to the nearest float.
     FromInt,

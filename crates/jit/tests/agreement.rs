@@ -29,6 +29,14 @@ fn arithmetic() {
     );
     body(0, "o = normalize(P) + cross(P, I) * dot(P, I); f = length(P) + distance(P, I);");
     body(0, "k = (int) (P[0] * 1e12) + (int) (u * -1e20);");
+    body(
+        0,
+        "float wide = (u - 0.5) * 1e11; float none = (v - v) / (u - u); k = (int) wide; o = color((int) none, (int) (wide * 1e30), (int) -2147483648.0);",
+    );
+    body(
+        0,
+        "int least = -2147483647 - 1; int by = (int) (u * 4) - 1; int n = (int) (P[0] * 99); k = n % by; o = color(n / by, least / by, least % by);",
+    );
 }
 
 #[test]
@@ -150,6 +158,17 @@ fn arrays_and_components() {
         "matrix m = 2; m[1][2] = u; m[3][0] = v; m = m * m * transpose(m) / 3; o = transform(m, P) + transform(m, (vector) I); f = m[0][1];",
     );
     body(1, "string s[2] = {\"a\", \"b\"}; string t = s[(int) (u * 1.9)]; k = t == \"b\";");
+}
+
+/// Values far away in memory: an instruction of ARM reaches 64 KiB, two reach 16 MiB.
+#[test]
+fn distances_may_be_large() {
+    for count in [2_000, 300_000] {
+        let text = format!(
+            "shader test(output float a[{count}] = {{1, 2}}, output float f = 0, output int k = 0) {{ a[{count} - 1] = u; for (k = 0; k < 4 * v; ++k) a[{count} - 1] += v; f = a[{count} - 1] * 2 + a[1]; if (a[{count} - 1] > 1) k += 5; printf(\"%d \", k); }}"
+        );
+        compare(&single_group(&text), &text);
+    }
 }
 
 #[test]
