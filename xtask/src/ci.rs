@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::failure::Failure;
 use crate::workspace::Workspace;
-use crate::{command, installed, notices, publish, python, python_upload, readme, tidy};
+use crate::{arm, command, installed, notices, publish, python, python_upload, readme, tidy};
 
 /// Runs all checks, the quick ones first; stops at the first that fails.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
@@ -20,6 +20,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let doc = ["doc", "--workspace", "--no-deps"];
     command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     check_for_other_machines()?;
+    arm::shaders()?;
     publish::crates(&[])?;
     python_upload::check()?;
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | blender | notices | crates | wheel | dist | miri | sanitize | results`.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | blender | notices | crates | wheel | dist | arm | miri | sanitize | results`.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
+mod arm;
 mod blender;
 mod ci;
 mod command;
@@ -32,7 +33,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 13] = [
+const CHORES: [Chore; 14] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -79,6 +80,11 @@ const CHORES: [Chore; 13] = [
         run: wheel::run,
     },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
+    Chore {
+        name: "arm",
+        about: "tests on 64-bit ARM, under emulation: shaders and some ray kernels; --whole, once a week",
+        run: arm::run,
+    },
     Chore {
         name: "miri",
         about: "unit tests with unsafe code in them, interpreted by Miri; once a week",
