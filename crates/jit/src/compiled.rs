@@ -73,9 +73,9 @@ impl Compiled {
     /// Whether this machine can run code for a level.
     #[must_use]
     pub fn can(level: Level) -> bool {
-        let has_memory = cfg!(any(unix, windows));
-        let has_code = matches!(level, Level::Avx2 | Level::Avx512 | Level::Neon);
-        has_memory && has_code && level.is_available()
+        cfg!(all(any(target_arch = "x86_64", target_arch = "aarch64"), any(unix, windows)))
+            && matches!(level, Level::Avx2 | Level::Avx512 | Level::Neon)
+            && level.is_available()
     }
 
     fn with_lanes(plan: Arc<Plan>, level: Level, lanes: usize) -> Result<Self, NoCode> {
