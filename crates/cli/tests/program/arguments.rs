@@ -121,6 +121,8 @@ fn cameras() {
         ("render ok.obj --target -inf,0,0", 2, "--target '-inf,0,0'"),
         ("render ok.obj --target ,,", 2, "three numbers"),
         ("render ok.obj --up 0,0,0", 2, "the zero vector has no direction"),
+        ("render ok.obj --up z", 2, "--up-axis z names the upward axis of a file"),
+        ("render ok.obj --up-axis w", 2, "expected x, y or z"),
         ("render ok.obj --up 0,nan,0", 2, "not a finite number"),
         ("render ok.obj --eye 1,2,3 --target 1,2,3", 2, "the same point"),
         ("render ok.obj --eye=-1,0,0 --target=-1,0,0", 2, "the same point"),
