@@ -62,7 +62,9 @@ def test_hits_are_exact(offset):
         assert len(found) == len(expected)
         for t, exact in zip(found, expected, strict=True):
             assert abs(Fraction(float(t)) - exact) <= exact * Fraction(1, 10**13)
-        assert hits.t[i] == (found[0] if len(found) else np.inf)
+        # Triangles that meet in one place differ by rounding, and the lowest of them counts.
+        place = [t for t in found if t <= found[0] * (1 + 2e-13)]
+        assert hits.t[i] in place if place else np.isinf(hits.t[i])
 
 
 def test_far_away_is_as_near():
