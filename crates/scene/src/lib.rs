@@ -27,6 +27,7 @@ pub mod primitives;
 mod ray_mask;
 mod scene;
 mod shader_file;
+#[cfg(feature = "snapshot")]
 pub mod snapshot;
 mod tangents;
 pub mod texture;

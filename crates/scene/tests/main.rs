@@ -17,5 +17,6 @@ mod mutations;
 mod obj;
 mod ply;
 mod save;
+#[cfg(feature = "snapshot")]
 mod snapshot;
 mod solids;
