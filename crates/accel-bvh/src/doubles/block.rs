@@ -25,6 +25,27 @@ pub(super) struct DoubleBlock {
     used: u32,
 }
 
+/// Lanes of a block, as bits, and those whose triangles a line passes inside for certain, if they are among them.
+pub(super) struct Candidates {
+    open: u32,
+    certain: u32,
+}
+
+impl Iterator for Candidates {
+    /// A lane, and whether the line passes inside for certain.
+    type Item = (usize, bool);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<(usize, bool)> {
+        if self.open == 0 {
+            return None;
+        }
+        let lane = self.open.trailing_zeros() as usize & (WIDTH - 1);
+        self.open &= self.open - 1;
+        Some((lane, self.certain >> lane & 1 != 0))
+    }
+}
+
 impl DoubleBlock {
     /// Of numbers of triangles and their corners; `INVALID_ID` where there is none.
     pub(super) fn new(corners: impl Fn(u32) -> [[f64; 3]; 3], numbers: &[u32; WIDTH]) -> Self {
@@ -58,10 +79,9 @@ impl DoubleBlock {
         (0..WIDTH).filter(move |lane| used >> lane & 1 != 0)
     }
 
-    /// Triangles that the line may touch before `depth`, as bits, and those that it passes inside for certain, if they are among
-    /// them.
+    /// Triangles that the line may touch before `depth`.
     #[inline(always)]
-    pub(super) fn candidates<S: Simd>(&self, simd: S, line: &Lanes<S>, depth: f64) -> [u32; 2] {
+    pub(super) fn candidates<S: Simd>(&self, simd: S, line: &Lanes<S>, depth: f64) -> Candidates {
         let [a, b, c] =
             [self.relative(simd, 0, line), self.relative(simd, 1, line), self.relative(simd, 2, line)];
         let (x, y, z) = (a[2] * line.sign, b[2] * line.sign, c[2] * line.sign);
@@ -76,10 +96,10 @@ impl DoubleBlock {
         let outside = least.simd_lt(zero) & most.simd_gt(error);
         let open = self.used & !((outside | beyond).to_bitmask() as u32);
         if open == 0 {
-            return [0, 0];
+            return Candidates { open: 0, certain: 0 };
         }
         let certain = least.simd_gt(error) | most.simd_lt(zero);
-        [open, certain.to_bitmask() as u32]
+        Candidates { open, certain: certain.to_bitmask() as u32 }
     }
 
     /// A corner less the origin, along the line's axes. Written out: `map` would be a call.

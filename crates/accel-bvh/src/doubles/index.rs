@@ -186,11 +186,8 @@ impl DoubleIndex {
             #[inline(always)]
             |range| {
                 for block in &blocks[range] {
-                    let [mut open, certain] = block.candidates(simd, &lanes, line.depth(reach));
-                    while open != 0 {
-                        let lane = open.trailing_zeros() as usize & (WIDTH - 1);
-                        open &= open - 1;
-                        reach = meet((block.numbers[lane], &block.corners(lane), certain >> lane & 1 != 0));
+                    for (lane, is_certain) in block.candidates(simd, &lanes, line.depth(reach)) {
+                        reach = meet((block.numbers[lane], &block.corners(lane), is_certain));
                     }
                 }
                 reach

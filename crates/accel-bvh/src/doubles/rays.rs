@@ -9,7 +9,7 @@ use gnurt_simd::{Level, Simd, dispatch};
 
 use super::index::DoubleIndex;
 use super::line::{DoubleLine, Lanes, Prepared};
-use crate::node::{Child, WIDTH};
+use crate::node::Child;
 use crate::node_ray::NodeRay;
 use crate::walk::{walk, walk_any};
 
@@ -101,11 +101,7 @@ impl DoubleIndex {
             #[inline(always)]
             |range| {
                 for block in &over.blocks[range] {
-                    let [mut open, certain] = block.candidates(simd, &lanes, depth);
-                    while open != 0 {
-                        let lane = open.trailing_zeros() as usize & (WIDTH - 1);
-                        open &= open - 1;
-                        let is_certain = certain >> lane & 1 != 0;
+                    for (lane, is_certain) in block.candidates(simd, &lanes, depth) {
                         if best.is_improved(line, block.numbers[lane], &block.corners(lane), is_certain) {
                             let far = best.reach();
                             (reach, depth) = (prepared.reach(far), prepared.depth(far));
@@ -134,11 +130,7 @@ impl DoubleIndex {
             #[inline(always)]
             |range| {
                 for block in &over.blocks[range] {
-                    let [mut open, certain] = block.candidates(simd, &lanes, depth);
-                    while open != 0 {
-                        let lane = open.trailing_zeros() as usize & (WIDTH - 1);
-                        open &= open - 1;
-                        let is_certain = certain >> lane & 1 != 0;
+                    for (lane, is_certain) in block.candidates(simd, &lanes, depth) {
                         if line.is_blocked(&Corners::plain(&block.corners(lane)), is_certain) {
                             is_met = true;
                             return false;
