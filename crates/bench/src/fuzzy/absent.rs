@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The case `fuzzy` of a program without the feature `research`: an error that names it.
 
-use super::options::Options;
 use crate::Error;
+use crate::dynamic::Options;
 use crate::dynamic_row::DynamicRow;
 use crate::event::BenchEvent;
 
@@ -10,6 +10,6 @@ use crate::event::BenchEvent;
 ///
 /// # Errors
 /// [`Error::NoResearch`].
-pub fn run(_: &Options, _: &mut dyn FnMut(BenchEvent)) -> Result<Vec<DynamicRow>, Error> {
+pub fn run(_: [u32; 2], _: &Options, _: &mut dyn FnMut(BenchEvent)) -> Result<Vec<DynamicRow>, Error> {
     Err(Error::NoResearch { structure: "fuzzy kd-tree".into() })
 }

@@ -10,10 +10,9 @@ use gnurt::accel::{
 };
 use gnurt::scene::{Affine, Material, Mesh, Scene};
 
-use super::options::Options;
 use crate::clock::process_seconds;
 use crate::comparison::check;
-use crate::dynamic::deformed;
+use crate::dynamic::{Options, deformed};
 use crate::dynamic_row::DynamicRow;
 use crate::event::BenchEvent;
 use crate::job::QueryKind;
@@ -125,10 +124,14 @@ impl Follower {
 ///
 /// # Errors
 /// As [`rays::run`](crate::rays::run).
-pub fn run(options: &Options, report: &mut dyn FnMut(BenchEvent)) -> Result<Vec<DynamicRow>, Error> {
+pub fn run(
+    quads: [u32; 2],
+    options: &Options,
+    report: &mut dyn FnMut(BenchEvent),
+) -> Result<Vec<DynamicRow>, Error> {
     let mut rows = Vec::new();
     for (name, shape) in [("limb", limb as Shape), ("twist", deformed)] {
-        rows.extend(measure(&subject(name, options.quads), shape, options, report)?);
+        rows.extend(measure(&subject(name, quads), shape, options, report)?);
     }
     Ok(rows)
 }
@@ -255,8 +258,8 @@ mod tests {
 
     #[test]
     fn all_follow() {
-        let options = Options { frames: 5, rounds: 1, size: 48, level: Level::best(), quads: [30, 12] };
-        let rows = run(&options, &mut |_| {}).expect("they agree");
+        let options = Options { frames: 5, rounds: 1, size: 48, level: Level::best() };
+        let rows = run([30, 12], &options, &mut |_| {}).expect("they agree");
         assert_eq!(rows.len(), 12, "two motions, five that follow and what is done in advance");
         for rows in rows.chunks(6) {
             assert!(rows.iter().all(|row| row.hits == rows[0].hits && row.hits > 20), "{rows:?}");

@@ -5,10 +5,11 @@
 mod absent;
 #[cfg(feature = "research")]
 mod measure;
-mod options;
 
 #[cfg(not(feature = "research"))]
 pub use absent::run;
 #[cfg(feature = "research")]
 pub use measure::run;
-pub use options::{Options, QUADS};
+
+/// Rows and columns of quads of a tube of 14,400 triangles.
+pub const QUADS: [u32; 2] = [120, 60];

@@ -151,8 +151,8 @@ fn measure_motion(
         }
         if is_requested("fuzzy") {
             let (frames, rounds, size) = (arguments.frames, arguments.rounds, arguments.size);
-            let options = fuzzy::Options { frames, rounds, size, level, quads: fuzzy::QUADS };
-            let measured = fuzzy::run(&options, &mut quietly(messages)).map_err(failure)?;
+            let options = dynamic::Options { frames, rounds, size, level };
+            let measured = fuzzy::run(fuzzy::QUADS, &options, &mut quietly(messages)).map_err(failure)?;
             print(dynamic_row::table(&measured))?;
             rows.extend(measured);
         }
