@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use gnurt::image::system_reason;
 use gnurt::scene::{Scene, io};
-use gnurt::{BUILTIN, LoadOptions, Numbered, load_scene_with};
+use gnurt::{BUILTIN, LoadOptions, Numbered, Override, load_scene_with};
 
 use crate::arguments::FileArguments;
 use crate::environment::Environment;
@@ -22,6 +22,8 @@ use gnurt::memory::format_bytes as bytes;
 pub(crate) struct Source {
     found: OsString,
     options: LoadOptions,
+    /// Changes of `--set`, made here so that errors name the option.
+    overrides: Vec<Override>,
     /// Where it is a sequence of files.
     numbered: Option<Numbered>,
 }
@@ -33,7 +35,7 @@ impl Source {
         files: &FileArguments,
         environment: &Environment,
     ) -> Result<Self, Failure> {
-        let options = files.options()?;
+        let (options, overrides) = (files.options()?, files.set.clone());
         if let Some(folder) = options.confine.as_deref().filter(|folder| !folder.is_dir()) {
             return Err(Failure::usage(format_args!(
                 "--confine {}: the folder does not exist; give the one that files may be read from",
@@ -44,7 +46,7 @@ impl Source {
         if let Some(name) = scene.to_string_lossy().strip_prefix(BUILTIN) {
             let names = gnurt::builtin_names();
             return match names.contains(&name) {
-                true => Ok(Self { found: scene.to_owned(), options, numbered: None }),
+                true => Ok(Self { found: scene.to_owned(), options, overrides, numbered: None }),
                 false => Err(Failure::usage(unknown("built-in scene", name, &names))),
             };
         }
@@ -55,16 +57,16 @@ impl Source {
         let has_transform = path.is_absolute() || path.starts_with(".") || path.starts_with("..");
         let found = candidates.take(if has_transform { 1 } else { usize::MAX }).find(|path| path.exists());
         match found {
-            Some(path) => Ok(Self { found: path.into_os_string(), options, numbered: None }),
+            Some(path) => Ok(Self { found: path.into_os_string(), options, overrides, numbered: None }),
             None => match Numbered::of(path) {
-                Some(numbered) => Self::sequence(numbered, options),
+                Some(numbered) => Self::sequence(numbered, options, overrides),
                 None => Err(missing(path, environment)),
             },
         }
     }
 
     /// A sequence of files, of which there must be one.
-    fn sequence(numbered: Numbered, options: LoadOptions) -> Result<Self, Failure> {
+    fn sequence(numbered: Numbered, options: LoadOptions, overrides: Vec<Override>) -> Result<Self, Failure> {
         let pattern = numbered.pattern();
         let first = numbered.first().map_err(|error| {
             Failure::data(format_args!("{}: {}; check the path", pattern.display(), system_reason(&error)))
@@ -78,7 +80,7 @@ impl Source {
             ))
         };
         first.ok_or_else(none)?;
-        Ok(Self { found: pattern.as_os_str().to_owned(), options, numbered: Some(numbered) })
+        Ok(Self { found: pattern.as_os_str().to_owned(), options, overrides, numbered: Some(numbered) })
     }
 
     /// Its files, where it is a sequence of them.
@@ -139,13 +141,11 @@ impl Source {
     /// As [`load`](Self::load), and returns the files that it was read from.
     pub(crate) fn load_with_files(&self, messages: Messages) -> Result<(Scene, Vec<PathBuf>), Failure> {
         let begin = Instant::now();
-        // Changes are made here, so that errors name the option.
-        let options = LoadOptions { overrides: Vec::new(), ..self.options.clone() };
-        let mut loaded = load_scene_with(&self.found, &options).map_err(|error| match error.kind {
+        let mut loaded = load_scene_with(&self.found, &self.options).map_err(|error| match error.kind {
             io::ErrorKind::UnknownName => Failure::usage(error),
             _ => Failure::data(error),
         })?;
-        for change in &self.options.overrides {
+        for change in &self.overrides {
             change.apply(&mut loaded.scene).map_err(|why| Failure::usage(format_args!("--set: {why}")))?;
         }
         for warning in loaded.warnings.iter() {

@@ -82,7 +82,7 @@ pub(crate) struct FileArguments {
         value_parser = Override::parse,
         allow_hyphen_values = true
     )]
-    set: Vec<Override>,
+    pub(crate) set: Vec<Override>,
 
     /// Take warnings of the scene's files as errors
     #[arg(long, help_heading = "Scene", hide_short_help = true)]
@@ -90,11 +90,11 @@ pub(crate) struct FileArguments {
 }
 
 impl FileArguments {
-    /// Permissions and limits of a scene.
+    /// Permissions and limits of a scene; the changes of `--set` are made later.
     pub(crate) fn options(&self) -> Result<LoadOptions, Failure> {
         let failed = |error| Failure::data(format_args!("--texture-memory: {error}"));
         let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;
-        let (confine, variants, overrides) = (self.confine.clone(), self.variant.clone(), self.set.clone());
+        let (confine, variants, overrides) = (self.confine.clone(), self.variant.clone(), Vec::new());
         let Self { subdivision, strict, up_axis: up, .. } = *self;
         let threads = threads();
         Ok(LoadOptions { confine, tiles, variants, overrides, subdivision, strict, up, threads, at: None })
