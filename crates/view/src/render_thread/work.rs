@@ -67,8 +67,6 @@ struct Present {
     preview: bool,
     /// Whether previews reuse those before, and are whole.
     remembers: bool,
-    /// One of each cell of so many columns and rows is traced.
-    stride: u32,
     /// Whether it has the layers that denoisers read.
     layers: bool,
     /// Whether nothing can be added until something changes.
@@ -86,7 +84,6 @@ impl Present {
             divisor: 1,
             preview: false,
             remembers: false,
-            stride: 1,
             layers: true,
             done: true,
             temporal_filter: true,
@@ -263,13 +260,12 @@ impl Work {
                 }
                 // It rests: finer, and at last with samples that count.
                 let divisor = present.divisor / 2;
+                let was_whole = present.divisor == 1 && self.eye.share.stride == 1;
                 self.eye.share.stride = 1;
                 Present {
                     divisor: divisor.max(1),
-                    stride: 1,
                     // All pixels of one that reuses others are traced before it rests.
-                    preview: divisor > 1
-                        || (present.remembers && (present.divisor > 1 || present.stride > 1)),
+                    preview: divisor > 1 || (present.remembers && !was_whole),
                     layers: request.requests_denoising(),
                     ..present
                 }
@@ -281,14 +277,14 @@ impl Work {
                 // A picture at rest that only lacks layers starts from the displayed one.
                 let goes_on = old.is_some_and(|old| old.view == view && !old.preview);
                 let remembers = self.eye.remembers(&request.view_request(1), script, &stage.world);
-                let (divisor, stride) = if goes_on {
-                    (1, 1)
+                let divisor = if goes_on {
+                    1
                 } else if remembers {
                     let (divisor, share) = self.pace.remembering(request.size);
                     self.eye.share = share;
-                    (divisor, share.stride)
+                    divisor
                 } else {
-                    (self.pace.divisor(request.size), 1)
+                    self.pace.divisor(request.size)
                 };
                 Present {
                     view,
@@ -297,7 +293,6 @@ impl Work {
                     // Reprojected light is displayed at once, and pictures at rest start from it.
                     preview: request.moving || divisor > 1 || (remembers && !goes_on),
                     remembers,
-                    stride,
                     layers: request.requests_denoising(),
                     done: false,
                     temporal_filter: true,
