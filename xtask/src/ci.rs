@@ -2,6 +2,7 @@
 //! `cargo xtask ci`: everything that must pass before a change is taken.
 
 use std::process::Command;
+use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
 use crate::workspace::Workspace;
@@ -12,26 +13,59 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if let Some(argument) = arguments.first() {
         return Err(format!("ci takes no arguments, not '{argument}'"));
     }
-    command::run(command::cargo().args(["fmt", "--all", "--check"]))?;
-    tidy::run(&[])?;
-    notices::check()?;
-    python::lint_licences()?;
-    command::run(command::cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
+    let mut steps = Steps::default();
+    steps.run("formatting", || command::run(command::cargo().args(["fmt", "--all", "--check"])))?;
+    steps.run("tidy", || {
+        tidy::run(&[])?;
+        notices::check()?;
+        python::lint_licences()
+    })?;
+    let clippy = ["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"];
+    steps.run("clippy", || command::run(command::cargo().args(clippy)))?;
     let doc = ["doc", "--workspace", "--no-deps"];
-    command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))?;
-    check_for_other_machines()?;
-    arm::shaders()?;
-    publish::crates(&[])?;
-    python_upload::check()?;
+    steps.run("documentation", || {
+        command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))
+    })?;
+    steps.run("other machines", check_for_other_machines)?;
+    steps.run("ARM", arm::shaders)?;
+    steps.run("publishing", || {
+        publish::crates(&[])?;
+        python_upload::check()
+    })?;
 
     let readme_commands = readme::readme_commands()?;
-    run_words(&readme_commands.test)?;
-    installed::check(&[])?;
-    first_picture(&readme_commands)?;
-    python::run(&[])?;
-    python::run(&["--free-threaded".to_owned()])?;
+    steps.run("tests", || run_words(&readme_commands.test))?;
+    steps.run("installed library", || installed::check(&[]))?;
+    steps.run("first picture", || first_picture(&readme_commands))?;
+    steps.run("Python", || {
+        python::run(&[])?;
+        python::run(&["--free-threaded".to_owned()])
+    })?;
+    steps.report();
     eprintln!("all checks passed");
     Ok(())
+}
+
+/// How long each step took: the whole has a limit.
+#[derive(Default)]
+struct Steps(Vec<(&'static str, Duration)>);
+
+impl Steps {
+    fn run(&mut self, name: &'static str, step: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
+        let start = Instant::now();
+        let result = step();
+        self.0.push((name, start.elapsed()));
+        if result.is_err() {
+            self.report();
+        }
+        result
+    }
+
+    fn report(&self) {
+        for (name, time) in &self.0 {
+            eprintln!("{:>5} s  {name}", time.as_secs());
+        }
+    }
 }
 
 /// Further targets that the libraries must compile for.

@@ -66,6 +66,7 @@ impl BuildRequest {
             seed: given.whole("seed", 0, u64::MAX)?.unwrap_or(0),
             integrator: given.choice("integrator")?.unwrap_or(gnurt::render::Integrator::Path),
             filter: given.choice("filter")?.unwrap_or_default(),
+            pixel_noise: given.choice("pixel_noise")?.unwrap_or_default(),
             max_depth: given.whole("max_depth", 1, 1 << 16)?.unwrap_or(16) as u32,
             vpls: given.whole("vpls", 1, 1 << 24)?.unwrap_or(1024) as u32,
             clamp: given.number("clamp", 0.0, MOST)?.map(|x| x as f32),

@@ -13,9 +13,10 @@
 use gnurt_accel::RayBatch;
 use gnurt_shading::bsdf::BsdfSample;
 use gnurt_shading::real::Real;
-use gnurt_shading::{Bounces, CameraSamples, CameraShader, RayKind, SampleKey, SurfaceBatch};
+use gnurt_shading::{Bounces, CameraSamples, CameraShader, RayKind, SurfaceBatch};
 
 use crate::options::RenderOptions;
+use crate::pixel_order::PixelOrder;
 
 /// The cone of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,9 +53,9 @@ const REFRACTED: f32 = 0.5;
 /// Cosines to normals count as this at least, where a cone meets a bent surface.
 const LEAST_COS: f32 = 0.1;
 
-/// The square of the share of their full width that the cones of a sample have.
-pub(crate) fn fineness(key: SampleKey) -> f32 {
-    (1.0 / (key.sample as f32 + 1.0)).max(FINEST)
+/// The square of the share of their full width that the cones of a pixel's sample have.
+pub(crate) fn fineness(sample: u32) -> f32 {
+    (1.0 / (sample as f32 + 1.0)).max(FINEST)
 }
 
 /// Where a cone meets a surface.
@@ -159,14 +160,20 @@ impl Cone {
     }
 
     /// As fine as a sample's.
-    pub(crate) fn of_sample(self, key: SampleKey) -> Self {
-        let share = fineness(key).sqrt();
+    pub(crate) fn of_sample(self, sample: u32) -> Self {
+        let share = fineness(sample).sqrt();
         Self { width: self.width * share, spread: self.spread * share, ..self }
     }
 
     /// Writes the widths, spreads and kinds at points that the rays of `lanes` met. `cones` are those of all
     /// rays, if known; rays of depth 0 have the camera's, which is this.
-    pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], cones: Option<&Cones>) {
+    pub(crate) fn widen(
+        self,
+        order: PixelOrder,
+        points: &mut SurfaceBatch,
+        lanes: &[u32],
+        cones: Option<&Cones>,
+    ) {
         let SurfaceBatch { footprint, cone_spread, kinds, bounces, t, key, depth, .. } = points;
         [&mut *footprint, &mut *cone_spread].into_iter().for_each(|array| array.resize(lanes.len(), 0.0));
         kinds.clear();
@@ -175,7 +182,7 @@ impl Cone {
         for ((footprint, cone_spread), ((&lane, &t), &mut key)) in positions {
             let cone = match cones {
                 Some(cones) => cones.get(lane as usize),
-                None if *depth == 0 => self.of_sample(key).sent_by(RayKind::Camera),
+                None if *depth == 0 => self.of_sample(order.sample(key)).sent_by(RayKind::Camera),
                 None => Self::default(),
             };
             let width = cone.width_at(t);
@@ -242,22 +249,23 @@ mod tests {
             "a picture 2 high at distance 1, by 100 rows: {}",
             cone.spread
         );
-        let key = |sample| SampleKey { sample, ..SampleKey::default() };
+        let order = PixelOrder::new(&options);
+        let key = |sample| order.key([0, 0], sample);
         let mut points =
             SurfaceBatch { t: vec![10.0, 5.0], key: vec![key(0), key(3)], ..SurfaceBatch::default() };
-        cone.widen(&mut points, &[1, 0], None);
+        cone.widen(order, &mut points, &[1, 0], None);
         assert!((points.footprint[0] - 0.2).abs() < 1e-3, "at distance 10: {:?}", points.footprint);
         assert!((points.footprint[1] - 0.05).abs() < 1e-3, "the fourth sample: half of 0.1");
         points.depth = 1;
         let kind = vec![RayKind::Glossy, RayKind::Reflection];
         let bounces = vec![Bounces::default(), Bounces::default().and(RayKind::Glossy).beyond()];
         let cones = Cones { width: vec![1.0, 2.0], spread: vec![-0.4, 0.02], kind, bounces };
-        cone.widen(&mut points, &[1, 0], Some(&cones));
+        cone.widen(order, &mut points, &[1, 0], Some(&cones));
         assert!((points.footprint[0] - 2.2).abs() < 1e-3, "after a mirror: {:?}", points.footprint);
         assert_eq!([points.footprint[1], points.cone_spread[1]], [1.0, 0.4], "beyond a focus");
         assert_eq!(points.kinds, [RayKind::Reflection, RayKind::Glossy], "in the order of lanes");
         assert_eq!(points.bounces[0], Bounces { glossy: 1, transparent: 1, ..Bounces::default() });
-        cone.widen(&mut points, &[1, 0], None);
+        cone.widen(order, &mut points, &[1, 0], None);
         assert_eq!(points.footprint, [0.0; 2], "nobody knows");
     }
 

@@ -11,6 +11,7 @@ use gnurt_scene::Scene;
 use gnurt_simd::Level;
 
 use crate::options::RenderOptions;
+use crate::pixel_noise::PixelNoise;
 
 /// The fingerprint of rendering `scene` under these options; `camera` is any identification of the camera.
 #[must_use]
@@ -21,7 +22,7 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
         time_limit: None,
         piece: None,
         rows: None,
-        spp: if options.noise.is_some() { options.spp } else { 1 },
+        spp: if options.noise.is_some() || options.pixel_noise == PixelNoise::Blue { options.spp } else { 1 },
         ..options.clone()
     };
     hash.debug(&(env!("CARGO_PKG_VERSION"), options, force_diffuse));

@@ -20,6 +20,7 @@ use crate::expressions::LightPaths;
 use crate::guide::Guide;
 use crate::many_lights::Common;
 use crate::options::RenderOptions;
+use crate::pixel_order::PixelOrder;
 use crate::progress::Watch;
 use crate::tracer::BatchTracer;
 use crate::transport::links::LightLinks;
@@ -116,10 +117,11 @@ impl<'a> Job<'a> {
         keys.clear();
         positions.clear();
         all.clear();
+        let order = PixelOrder::new(self.options);
         // An iterator of rows and columns is fast from inside only.
         pixels.for_each(|pixel| all.push(pixel));
         for sample in samples {
-            keys.extend(all.iter().map(|[x, y]| SampleKey { pixel: y * width + x, sample, branch: 0 }));
+            keys.extend(all.iter().map(|&pixel| order.key(pixel, sample)));
         }
         if self.options.pixel_centres {
             let [columns, rows] = self.centres.get_or_init(|| centres(width, height));

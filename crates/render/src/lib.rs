@@ -40,6 +40,8 @@ mod options;
 mod packing;
 mod piece;
 mod pixel_grid;
+mod pixel_noise;
+mod pixel_order;
 mod pixel_trace;
 mod pixels;
 mod progress;
@@ -73,6 +75,7 @@ pub use options::{
 };
 pub use packing::{empty_picture, pack_piece, rendered_rects, unpack_piece};
 pub use piece::{BAND_UNIT, Piece};
+pub use pixel_noise::{PixelNoise, UnknownPixelNoise};
 pub use pixel_trace::{PixelTrace, trace_pixel};
 pub use render::{render, render_on};
 pub use shader_outputs::{missing_output, shader_outputs};

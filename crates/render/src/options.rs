@@ -14,6 +14,7 @@ use crate::error::RenderError;
 use crate::expressions::{self, LightLayer};
 use crate::mattes::Mattes;
 use crate::piece::{BAND_UNIT, Piece};
+use crate::pixel_noise::PixelNoise;
 
 /// How radiance is computed along a camera ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -161,6 +162,8 @@ pub struct RenderOptions {
     pub integrator: Integrator,
     /// How samples make a pixel.
     pub filter: ReconstructionFilter,
+    /// How the errors of neighbouring pixels relate.
+    pub pixel_noise: PixelNoise,
     /// Take all samples at the pixels' centres, not where the filter puts them: exact, but jagged edges.
     pub pixel_centres: bool,
     /// `[x0, y0, x1, y1]` in pixels, upper left origin, `x1` and `y1` exclusive; the picture keeps its size and is
@@ -226,6 +229,7 @@ impl Default for RenderOptions {
             lights_seed: None,
             integrator: Integrator::default(),
             filter: ReconstructionFilter::Box,
+            pixel_noise: PixelNoise::White,
             pixel_centres: false,
             crop: None,
             max_depth: 16,

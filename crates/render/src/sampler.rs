@@ -124,7 +124,7 @@ impl<'a> Sampler<'a> {
     pub(crate) fn split_sample(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> SplitLight {
         let mut batch = CameraBatch::default();
         self.job.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
-        tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, self.job.options.width));
+        tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, tracer.pixel_order));
         let CameraBatch { rays, keys, hits, .. } = &mut batch;
         tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
         let mut radiance = std::mem::take(&mut batch.radiance);

@@ -28,7 +28,7 @@ impl BatchTracer<'_> {
         for (i, &key) in request.key.iter().enumerate() {
             let width = request.width.get(i).copied().unwrap_or(0.0);
             let kind = request.kinds.get(i).copied().unwrap_or(RayKind::Reflection);
-            cones.push(self.cone.of_sample(key).beginning(width).sent_by(kind));
+            cones.push(self.cone.of_sample(self.pixel_order.sample(key)).beginning(width).sent_by(kind));
         }
         cones
     }

@@ -26,7 +26,7 @@ pub(crate) fn render_tile(
         tile.target = samples_needed(job, tile.rect, noise, &mut pilot);
     }
     let last = last.min(tile.requested(last));
-    tracer.costs = job.options.heatmap.then(|| TileCosts::new(tile.rect, job.options.width));
+    tracer.costs = job.options.heatmap.then(|| TileCosts::new(tile.rect, tracer.pixel_order));
     // Samples are taken in order, so that a tile that was interrupted in an earlier pass continues there.
     while tile.samples < last && !job.should_stop() {
         sampler.render_samples(tile, tracer, last);

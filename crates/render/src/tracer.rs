@@ -25,6 +25,7 @@ use crate::guide::Guide;
 use crate::held::Held;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
+use crate::pixel_order::PixelOrder;
 use crate::stats::RenderStats;
 use crate::transport::{Blockers, Through, Wavefront};
 use crate::world::{HitLanes, World};
@@ -77,6 +78,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) guide_from: Option<(&'w Guide, u32)>,
     /// How pixels share virtual lights out.
     pub(crate) sharing: Sharing,
+    /// Keys of samples.
+    pub(crate) pixel_order: PixelOrder,
     /// The footprint of a pixel.
     pub(crate) cone: Cone,
     /// The camera as shaders query it.
@@ -142,6 +145,7 @@ impl<'w> BatchTracer<'w> {
             guide_from: None,
             probes: options.integrator.has_virtual_lights(),
             sharing: Sharing::All,
+            pixel_order: PixelOrder::new(options),
             cone: Cone::default(),
             properties: None,
             record,
@@ -252,7 +256,7 @@ impl<'w> BatchTracer<'w> {
             points.camera = self.properties;
             // Unknown if no material reads it.
             if world.materials().read_widths() {
-                self.cone.widen(points, lanes, from.cones);
+                self.cone.widen(self.pixel_order, points, lanes, from.cones);
             }
             with(self, shader, lanes, points);
         }

@@ -29,6 +29,7 @@ mod media;
 mod mirrors;
 mod motion;
 mod nested;
+mod noise_color;
 mod offsets;
 mod panes;
 mod path;

@@ -141,6 +141,9 @@ fn of_integrator(integrator: Integrator, tell: &mut impl FnMut(&[(&str, &str)], 
     if !integrator.has_virtual_lights() {
         tell(&[("vpls", "--vpls"), ("interleave", "--interleave")], &why);
     }
+    if integrator.has_virtual_lights() {
+        tell(&[("pixel_noise", "--pixel-noise")], &why);
+    }
     if integrator != Integrator::Path {
         tell(&[("guide", "--guide")], &why);
     }

@@ -9,7 +9,7 @@ use clap::Args;
 use gnurt::accel::Memory;
 use gnurt::display_rules::TONE;
 use gnurt::image::{ExrCompression, ExrPixels, Picture, ToneCurve, WorkingSpace, WriteOptions, exposure_for};
-use gnurt::render::{Guiding, Integrator, ReconstructionFilter};
+use gnurt::render::{Guiding, Integrator, PixelNoise, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
 use gnurt::{Fog, Surroundings, VolumeFile};
@@ -94,6 +94,10 @@ pub(crate) struct FrameArguments {
     /// 1 = each pixel uses all virtual lights
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::interleave, allow_hyphen_values = true, default_value = "1")]
     pub(crate) interleave: u32,
+    /// Errors of neighbouring pixels: white = independent, or blue = they cancel out in means over neighbours, so that a picture looks less
+    /// noisy (path, whitted; best with 1, 4, 16, 64 samples and without a denoiser)
+    #[arg(help_heading = "Quality", hide_short_help = true, long, value_name = "NAME", value_parser = value::pixel_noise, allow_hyphen_values = true, default_value = "white")]
+    pub(crate) pixel_noise: PixelNoise,
     /// Adaptive sampling: stop a tile when its relative noise is below X, like 0.02; at least 16 samples, at most --spp
     #[arg(help_heading = "Quality", hide_short_help = true, long, value_name = "X", value_parser = value::noise, allow_hyphen_values = true)]
     pub(crate) noise: Option<f32>,

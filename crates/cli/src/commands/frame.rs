@@ -515,6 +515,7 @@ pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptio
         seed: frame.seed,
         integrator: frame.integrator,
         filter: frame.filter,
+        pixel_noise: frame.pixel_noise,
         max_depth: frame.max_depth,
         vpls: frame.vpls,
         clamp: frame.clamp,

@@ -323,6 +323,7 @@ fn options_without_effect_are_told() {
         (format!("render ok.obj {small} --integrator normals --max-depth 3"), &["--max-depth"]),
         (format!("render ok.obj {small} -o a.exr --exposure 2 --tone clamp"), &["--tone", "--exposure"]),
         (format!("render ok.obj {small} --integrator ir --vpls 64 --exposure 2"), &[]),
+        (format!("render ok.obj {small} --integrator bir --vpls 64 --pixel-noise blue"), &["--pixel-noise"]),
         (format!("render ok.obj {small}"), &[]),
         ("convert a.pfm a.hdr --exposure 2".to_owned(), &["--exposure"]),
         ("convert a.pfm a.png --exposure 2 --confine .".to_owned(), &["--confine"]),

@@ -20,6 +20,27 @@ fn threads_change_no_byte() {
     }
 }
 
+/// Parts of one sequence: pieces, bands and threads give the bytes of the whole, and another picture than white noise.
+#[test]
+fn blue_noise_is_the_same_in_pieces() {
+    let folder = Folder::new();
+    let line = "render builtin:cornell -q -r 70x40 --spp 4 --denoise=none --pixel-noise";
+    folder.gnurt(&format!("{line} blue -t 1 -o whole.pfm")).success();
+    folder.gnurt(&format!("{line} blue -t 3 -o again.pfm")).success();
+    folder.gnurt(&format!("{line} white -o white.pfm")).success();
+    for piece in ["1/2", "2/2"] {
+        folder.gnurt(&format!("{line} blue --piece {piece} -o p{}.exr", &piece[..1])).success();
+    }
+    folder.gnurt("join -q p1.exr p2.exr -o joined.pfm").success();
+    let whole = folder.read("whole.pfm");
+    assert_eq!(folder.read("again.pfm"), whole, "3 threads");
+    assert_eq!(folder.read("joined.pfm"), whole, "two pieces");
+    assert_ne!(folder.read("white.pfm"), whole, "white noise");
+    let wrong = folder.gnurt(&format!("{line} bleu -o x.pfm"));
+    assert_eq!(wrong.status, Some(2), "{}", wrong.stderr);
+    assert!(wrong.stderr.contains("white, blue"), "{}", wrong.stderr);
+}
+
 #[test]
 fn compact_trees_are_smaller_and_change_no_byte() {
     let folder = Folder::new();

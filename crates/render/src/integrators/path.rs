@@ -161,7 +161,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
 
 /// The step of the paths that met surfaces, shader by shader.
 fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
-    let (world, options) = (tracer.world, tracer.options);
+    let (world, options, pixel_order) = (tracer.world, tracer.options, tracer.pixel_order);
     let Wavefront {
         paths,
         next,
@@ -199,6 +199,7 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         let met = Met {
             world,
             options,
+            pixel_order,
             from,
             paths,
             numbers,
@@ -236,13 +237,15 @@ fn leave(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, ra
     if wavefront.below.is_empty() {
         return;
     }
-    let (world, options, guide) = (tracer.world, tracer.options, tracer.guide);
+    let (world, options, pixel_order) = (tracer.world, tracer.options, tracer.pixel_order);
+    let guide = tracer.guide;
     let Wavefront { paths, next, unshadowed, ledger, linked, recorder, below, .. } = wavefront;
     below.leave(tracer, paths, from, |paths, from, numbers, points, closures| {
         let (backdrop, is_final, medium, shares) = (None, false, 0, &[][..]);
         let met = Met {
             world,
             options,
+            pixel_order,
             from,
             paths,
             numbers,

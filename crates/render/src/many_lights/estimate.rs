@@ -305,7 +305,7 @@ pub(super) fn rest_at(
         let last = Last { point, pdf, side: point.ns, light_samples: 1.0, bound: pass.bound };
         let sample =
             BsdfSample { wi: dir, weight: Vec3::ONE, pdf, delta: false, transmitted: false, wide: true };
-        let cone = ConeHit::of(points, i).after(&sample, fineness(key));
+        let cone = ConeHit::of(points, i).after(&sample, fineness(key.sample));
         walks.push(
             (ray, cone),
             key,
@@ -563,5 +563,5 @@ fn scattered(seed: u64, pass: &PassLights, stop: &Stop, n: u32) -> Option<((gnur
         siblings: walk.siblings * count as f32,
         ..*walk
     };
-    Some(((ray, stop.cone.after(&sample, fineness(walk.key))), next))
+    Some(((ray, stop.cone.after(&sample, fineness(walk.key.sample))), next))
 }

@@ -261,7 +261,7 @@ pub(crate) fn trace(
                 continue;
             }
             // Light paths are few: they are as fine as cones get.
-            let fine = fineness(SampleKey { sample: u32::MAX, ..SampleKey::default() });
+            let fine = fineness(u32::MAX);
             next.chances.push(probability(walk.path, walk.edges, numbers));
             next.push(
                 (ray, vertex.cone.after(&sample, fine)),

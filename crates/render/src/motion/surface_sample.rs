@@ -194,9 +194,10 @@ impl Met<'_, '_> {
             let bsdf = closures.point(k).bsdf;
             let manner = Manner::of(&bsdf, toward);
             if let Some(branch) = manner.onward {
-                let (point, cone) = (points.point(k), ConeHit::of(points, k));
+                let (point, key) = (points.point(k), points.key[k]);
+                let cone = (ConeHit::of(points, k), fineness(tracer.pixel_order.sample(key)));
                 let carried = Beyond { lane, throughput: branch.weight, distance: t };
-                send(beyond, (&point, &branch), cone, points.key[k], carried);
+                send(beyond, (&point, &branch), cone, key, carried);
             }
             (share, roughness) = (manner.share, manner.roughness);
         } else if closures.kinds(k) & !WIDE != 0 {
@@ -227,12 +228,13 @@ fn id_of(leaf: u32, material: u32) -> u32 {
 fn send(
     beyond: &mut Walks<Beyond>,
     (point, branch): (&SurfacePoint, &BsdfSample),
-    cone: ConeHit<f32>,
+    cone: (ConeHit<f32>, f32),
     key: SampleKey,
     carried: Beyond,
 ) {
     if let Some(ray) = point.scatter_ray(branch.wi, branch.transmitted, f32::INFINITY) {
-        beyond.push((ray, cone.after(branch, fineness(key))), key, carried);
+        let (cone, fineness) = cone;
+        beyond.push((ray, cone.after(branch, fineness)), key, carried);
     }
 }
 
@@ -263,7 +265,9 @@ fn see_beyond(
         sample.tint.plain += throughput * vertex.scattering.emission;
         if let Some(branch) = manner.onward.filter(|_| depth < MOST_MIRRORS && !vertex.is_final) {
             let carried = Beyond { lane, throughput: throughput * branch.weight, distance };
-            send(&mut beyond, (&vertex.point, &branch), vertex.cone, walks.keys[i], carried);
+            let key = walks.keys[i];
+            let cone = (vertex.cone, fineness(tracer.pixel_order.sample(key)));
+            send(&mut beyond, (&vertex.point, &branch), cone, key, carried);
         }
         let material = tracer.world.material_of(vertex.ids[0], vertex.ids[1]);
         sample.surface_key = SurfaceKey {

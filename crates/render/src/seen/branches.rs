@@ -9,6 +9,7 @@ use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{SampleKey, SurfaceBatch};
 
 use crate::cone::{Cone, ConeHit, Cones, fineness};
+use crate::pixel_order::PixelOrder;
 
 /// Branches with less of the light are followed by chance.
 const RARE: f32 = 0.01;
@@ -60,7 +61,7 @@ impl Branches {
 
 /// Sends the branches of a smooth surface on. Returns the albedo of its other scattering, and the share of that.
 pub(super) fn follow(
-    seed: u64,
+    (seed, order): (u64, PixelOrder),
     (points, closures, k): (&SurfaceBatch, &ClosureBatch, usize),
     (here, key, hit): (Branch, SampleKey, ConeHit<f32>),
     most: u32,
@@ -100,7 +101,7 @@ pub(super) fn follow(
         };
         let key = key.fork(i as u32);
         if let Some(beyond) = chosen(seed, key, beyond) {
-            next.push(ray, key, hit.after(&sample, fineness(key)), beyond);
+            next.push(ray, key, hit.after(&sample, fineness(order.sample(key))), beyond);
         }
     }
     if polished.is_some() {

@@ -255,7 +255,7 @@ impl TileSeen {
                     |(kind, alpha): (Kind, f32)| kind.is_delta() || !kind.is_wide() && alpha < NARROW;
                 if !is_final && closures.widths(k).any(is_smooth) {
                     own = follow(
-                        tracer.options.seed,
+                        (tracer.options.seed, tracer.pixel_order),
                         (points, &closures, k),
                         (here, key, hit),
                         most,

@@ -24,6 +24,7 @@ use crate::expressions::{Ledger, Lobe, Scatter};
 use crate::guide::{self, Guide, Mixture, Recorder};
 use crate::held::Held;
 use crate::options::RenderOptions;
+use crate::pixel_order::PixelOrder;
 use crate::world::{HitLanes, World};
 
 /// Paths that met one shader.
@@ -31,6 +32,7 @@ use crate::world::{HitLanes, World};
 pub(crate) struct Met<'a> {
     pub(crate) world: &'a World,
     pub(crate) options: &'a RenderOptions,
+    pub(crate) pixel_order: PixelOrder,
     /// The hits of all paths' rays.
     pub(crate) from: HitLanes<'a>,
     pub(crate) paths: &'a Paths,
@@ -347,9 +349,10 @@ fn scatter<W: Width>(
     let mut cone = None;
     if !points.footprint.is_empty() {
         let at = hit_info(zero, points, first, wo);
+        let order = met.pixel_order;
         let fineness = zero.each(
             #[inline(always)]
-            |i| points.key.get(first + i).map_or(1.0, |&key| fineness(key)),
+            |i| points.key.get(first + i).map_or(1.0, |&key| fineness(order.sample(key))),
         );
         cone = Some([at.width, at.spread_after(of_lobes, chosen.delta, chosen.transmitted, fineness)]);
     }

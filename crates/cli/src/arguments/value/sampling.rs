@@ -3,7 +3,7 @@
 //! `value/mod.rs`.
 
 use gnurt::accel::Memory;
-use gnurt::render::{Guiding, Integrator};
+use gnurt::render::{Guiding, Integrator, PixelNoise};
 use gnurt::simd::Level;
 
 use super::plain::{by_name, whole};
@@ -68,6 +68,11 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
 /// An integrator's name.
 pub(crate) fn integrator(name: &str) -> Result<Integrator, String> {
     by_name("integrator", name, &Integrator::ALL[..])
+}
+
+/// How errors of neighbouring pixels relate.
+pub(crate) fn pixel_noise(name: &str) -> Result<PixelNoise, String> {
+    by_name("noise", name, &PixelNoise::ALL[..])
 }
 
 /// When paths are guided.
