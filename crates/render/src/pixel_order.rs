@@ -28,7 +28,7 @@ struct Shared {
     log: u32,
     /// Squares in a row of the picture.
     columns: u32,
-    /// At least as many as the picture has; a power of two.
+    /// Those of the picture or more; a power of two.
     squares: u32,
 }
 
