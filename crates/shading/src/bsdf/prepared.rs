@@ -68,7 +68,12 @@ impl<R: Real> Prepared<R> {
     #[inline(always)]
     pub fn none(like: R) -> Self {
         let black = Vector::grey(like.all(0.0));
-        Self { normal: black, lobes: [const { None }; MOST], albedo: black }
+        // A constant array of `None` would be all zeros: 23 KB to write, where eight marks do.
+        let lobes = std::array::from_fn(
+            #[inline(always)]
+            |_| None,
+        );
+        Self { normal: black, lobes, albedo: black }
     }
 
     /// Points' lobes, `count` positions of them, for the unit direction `wo`; `normal` is unit. `light` is
