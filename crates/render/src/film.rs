@@ -181,6 +181,16 @@ impl TileFilm {
         (self.first, self.samples) = (first, 1);
     }
 
+    /// Memory for its only sample, for every `BLOCK` rows.
+    fn strips(&mut self) -> impl Iterator<Item = (u32, Strip<'_>)> {
+        self.clear();
+        self.samples = 1;
+        let [left, top, right, _] = self.rect;
+        let pixels = (right - left) * BLOCK;
+        let strips = self.first.chunks_mut(pixels as usize);
+        (top..).step_by(BLOCK as usize).zip(strips).map(move |(y, colors)| (y, Strip { left, right, colors }))
+    }
+
     /// The number of its samples, if the options request `spp`.
     pub(crate) fn requested(&self, spp: u32) -> u32 {
         if self.target > 0 { self.target.min(spp) } else { spp }
@@ -222,6 +232,47 @@ impl TileFilm {
                 let scale = 1.0 / f64::from(samples);
                 for (out, sum) in out.iter_mut().zip(&self.sums[begin..]) {
                     *out = sum.map(|sum| (sum * scale) as f32);
+                }
+            }
+        }
+    }
+}
+
+/// At most [`BLOCK`] rows of a tile.
+struct Strip<'a> {
+    left: u32,
+    right: u32,
+    colors: &'a mut [[f32; 4]],
+}
+
+/// At most [`BLOCK`] rows of a picture.
+#[derive(Default)]
+pub(crate) struct Strips<'a>(Vec<Strip<'a>>);
+
+/// All rows of a picture, [`BLOCK`] of them at a time. Each tile has one sample: the one that will be written.
+pub(crate) fn strips(tiles: &mut [TileFilm]) -> Vec<Strips<'_>> {
+    let mut all = Vec::new();
+    for (y, strip) in tiles.iter_mut().flat_map(TileFilm::strips) {
+        let at = (y / BLOCK) as usize;
+        if all.len() <= at {
+            all.resize_with(at + 1, Strips::default);
+        }
+        all[at].0.push(strip);
+    }
+    all
+}
+
+impl Strips<'_> {
+    /// Sets the colours of these rows, which have `width` pixels each.
+    pub(crate) fn show(&mut self, colors: &[[f32; 4]], width: usize) {
+        for Strip { left, right, colors: to } in &mut self.0 {
+            let mut to = &mut to[..];
+            for left in (*left..*right).step_by(BLOCK as usize) {
+                let columns = left as usize..(left + BLOCK).min(*right) as usize;
+                for row in colors.chunks(width) {
+                    let (first, rest) = std::mem::take(&mut to).split_at_mut(columns.len());
+                    first.copy_from_slice(&row[columns.clone()]);
+                    to = rest;
                 }
             }
         }

@@ -36,7 +36,7 @@ pub(crate) struct ViewRequest {
 const MOST_LIGHTS: u32 = 64;
 
 /// Pixels that previews render where no time was measured.
-const SHARE: MotionShare = MotionShare { fresh: 1.0 / 24.0, stride: 2 };
+const SHARE: MotionShare = MotionShare { fresh: 1.0 / 48.0, stride: 2 };
 
 /// Width of the pattern of interleaved pixels while the camera moves.
 fn pattern_in_motion(vpls: u32) -> u32 {

@@ -29,7 +29,7 @@ fn smoothed(before: f64, now: f64) -> f64 {
 const SLOWEST: f64 = 0.095;
 const BRISK: f64 = 0.05;
 /// Share of the traced pixels that get a fresh sample, at least and at most.
-const LEAST_FRESH: f32 = 1.0 / 24.0;
+const LEAST_FRESH: f32 = 1.0 / 48.0;
 const MOST_FRESH: f32 = 0.5;
 const COARSEST: u32 = 8;
 /// Before anything is known: soon enough for any integrator.

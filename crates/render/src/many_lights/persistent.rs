@@ -16,6 +16,7 @@
 //! Tests: `tests`, crates/render/tests/persistent_lights.rs.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -36,6 +37,8 @@ const PARTS: u32 = 8;
 const SMALL_PARTS: u32 = 32;
 /// The number made at once for a first picture, and kept when the world changes.
 const FIRST_PARTS: usize = 4;
+/// Pictures until the next one, as long as some are missing.
+const OFTEN: u32 = 2;
 /// Pictures between two of them, where nothing calls for more.
 const SELDOM: u32 = 4;
 /// Cosine between directions of view that are one view still, at least.
@@ -60,6 +63,8 @@ pub struct PersistentLights {
     /// requested number of virtual lights.
     light_choices: Option<Option<LightChoice>>,
     paths: Option<u32>,
+    /// Lights for pixels that use few of them, as long as no part changes.
+    few: Option<Arc<PassLights>>,
 }
 
 struct Part {
@@ -90,18 +95,23 @@ impl PersistentLights {
     /// The lights of the next picture; `None` if the integrator needs none.
     pub(crate) fn next(&mut self, job: &Job) -> Option<PassLights> {
         let mut stats = RenderStats::default();
-        let vpls = self.next_vpls(job, PARTS, &mut stats)?;
-        Some(PassLights::of(job.world, job.options, vpls, stats))
+        self.renew(job, PARTS, &mut stats)?;
+        Some(PassLights::of(job.world, job.options, self.vpls(), stats))
     }
 
-    /// The same for pixels that use few of them, each its own.
-    pub(crate) fn next_few(&mut self, job: &Job) -> Option<PassLights> {
+    /// The same for pixels that use few of them, each its own, and the cost of new ones.
+    pub(crate) fn next_few(&mut self, job: &Job) -> Option<(Arc<PassLights>, RenderStats)> {
         let mut stats = RenderStats::default();
-        let vpls = self.next_vpls(job, SMALL_PARTS, &mut stats)?;
-        Some(PassLights::few(job.world, job.options, vpls, stats))
+        let is_new = self.renew(job, SMALL_PARTS, &mut stats)?;
+        let kept = self.few.take().filter(|_| !is_new);
+        let make = || PassLights::few(job.world, job.options, self.vpls(), RenderStats::default());
+        let few = kept.unwrap_or_else(|| Arc::new(make()));
+        self.few = Some(few.clone());
+        Some((few, stats))
     }
 
-    fn next_vpls(&mut self, job: &Job, size: u32, stats: &mut RenderStats) -> Option<Vec<Vpl>> {
+    /// Makes the parts of the next picture; returns whether some are new or gone.
+    fn renew(&mut self, job: &Job, size: u32, stats: &mut RenderStats) -> Option<bool> {
         let options = job.options;
         if !options.integrator.has_virtual_lights() {
             return None;
@@ -113,6 +123,7 @@ impl PersistentLights {
                 false
             }
         };
+        let before = (self.made, self.parts.len());
         let view = View::of(job);
         let extent = job.world.bounds().map_or(0.0, |(low, high)| Vec3::from(low).distance(Vec3::from(high)));
         let is_of_paths = options.integrator == Integrator::InstantRadiosity;
@@ -145,19 +156,24 @@ impl PersistentLights {
         let at_once = match self.parts.len() {
             _ if !are_small => size as usize,
             0 => FIRST_PARTS,
-            _ => 1,
+            _ => usize::from(self.pictures % OFTEN == 1),
         };
         for number in self.missing().take(at_once).collect::<Vec<u32>>() {
             let vpls = self.part(job, number, stats);
             self.parts.push_back(Part { vpls, number, view });
             self.made += 1;
         }
+        Some(edited || before != (self.made, self.parts.len()))
+    }
+
+    /// The lights of all parts.
+    fn vpls(&self) -> Vec<Vpl> {
         let share = 1.0 / self.parts.len() as f32;
         // In the order of their numbers, so that the same lights are the same picture.
         let mut parts: Vec<&Part> = self.parts.iter().collect();
         parts.sort_by_key(|part| part.number);
         let all = parts.into_iter().flat_map(|part| &part.vpls);
-        Some(all.map(|vpl| vpl.scaled(share)).collect())
+        all.map(|vpl| vpl.scaled(share)).collect()
     }
 
     /// Makes all parts again, for the world as it is.
@@ -256,6 +272,34 @@ mod tests {
         let camera = SceneCamera::new(&scene.cameras()[0]).expect("a view");
         let pass = persistent.next(&Job::new(world, &camera, options, &Unwatched)).expect("virtual lights");
         pass.vpls.iter().map(|vpl| vpl.point.p.to_array().map(f32::to_bits)).collect()
+    }
+
+    /// Nothing is prepared again where no light is new.
+    #[test]
+    fn few_lights_are_kept_as_long_as_they_last() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
+        let mut scene = gnurt_scene::builtin::load("cornell").expect("it is built in");
+        let integrator = Integrator::InstantRadiosity;
+        let options = RenderOptions { width: 8, height: 8, vpls: 64, integrator, ..RenderOptions::default() };
+        let (mut world, mut persistent) = (World::new(), PersistentLights::default());
+        let how = CommitOptions::default();
+        world.commit(&scene, &ShaderTable::default(), &how, &pool).expect("the scene is sound");
+        let camera = SceneCamera::new(&scene.cameras()[0]).expect("a view");
+        let mut next = |world: &World| {
+            let job = Job::new(world, &camera, &options, &Unwatched);
+            persistent.next_few(&job).expect("virtual lights")
+        };
+        let pictures = 2 * SMALL_PARTS;
+        let all: Vec<_> = (0..pictures).map(|_| next(&world)).collect();
+        let new = all.windows(2).filter(|two| !Arc::ptr_eq(&two[0].0, &two[1].0)).count();
+        assert_eq!(new, SMALL_PARTS as usize - FIRST_PARTS, "one part after the other");
+        let (last, cost) = &all[all.len() - 1];
+        assert_eq!(cost.rays(), 0, "kept ones cost nothing");
+        let last_instance = InstanceId(scene.instances().len() as u32 - 1);
+        scene.edit_instance(last_instance).visible = false;
+        world.commit(&scene, &ShaderTable::default(), &how, &pool).expect("the scene is sound");
+        let (edited, cost) = next(&world);
+        assert!(!Arc::ptr_eq(last, &edited) && cost.rays() > 0, "an edit makes all of them again");
     }
 
     /// An object goes and comes back: lights whose paths never hit it stay in place.

@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use gnurt_shading::CameraShader;
 
 use super::lattice::Lattice;
@@ -58,23 +58,29 @@ impl Before {
         }
         let (left, top) = (x as i32, y as i32);
         let (right, below) = (x - left as f32, y - top as f32);
-        let (mut sum, mut weights) = (Light::default(), 0.0);
-        for (dx, dy, weight) in [
-            (0, 0, (1.0 - right) * (1.0 - below)),
-            (1, 0, right * (1.0 - below)),
-            (0, 1, (1.0 - right) * below),
-            (1, 1, right * below),
-        ] {
-            let (column, row) = (left + dx - 1, top + dy - 1);
-            if column < 0 || row < 0 || column >= width as i32 || row >= height as i32 {
-                continue;
-            }
-            let i = row as usize * width as usize + column as usize;
-            if sample.surface_key.agrees(&self.surface_keys[i], 1.5) {
-                sum.add(&self.lights[i], weight);
-                weights += weight;
-            }
+        // Those beside the picture count as the nearest ones in it, and without weight.
+        let side = |at: i32, side: u32, share: f32| {
+            let before = if at == 0 { 0.0 } else { 1.0 - share };
+            let after = if at == side as i32 { 0.0 } else { share };
+            ([(at - 1).max(0) as usize, at.min(side as i32 - 1) as usize], [before, after])
+        };
+        let (columns, [left, right]) = side(left, width, right);
+        let (rows, [above, below]) = side(top, height, below);
+        let weights = Vec4::new(left * above, right * above, left * below, right * below);
+        let (above, below) = (rows[0] * width as usize, rows[1] * width as usize);
+        let at = [above + columns[0], above + columns[1], below + columns[0], below + columns[1]];
+        let keys = [
+            &self.surface_keys[at[0]],
+            &self.surface_keys[at[1]],
+            &self.surface_keys[at[2]],
+            &self.surface_keys[at[3]],
+        ];
+        let weights = sample.surface_key.agreeing(keys, weights, 1.5).to_array();
+        let mut sum = Light::default();
+        for (i, weight) in at.into_iter().zip(weights) {
+            sum.add(&self.lights[i], weight);
         }
+        let weights = weights[0] + weights[1] + weights[2] + weights[3];
         if weights <= 0.0 {
             return Light::default();
         }

@@ -2,10 +2,13 @@
 //! Pixels of the previous whole picture at a point, and whether they show a surface of this one. Space of
 //! points: pixels from the left and the top. Tests: crates/render/tests/motion.rs.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::surface_key::{Same, SurfaceKey};
 use super::texel::{Shown, Texel};
+
+/// Distance of points of one surface in widths of pixels, as [`SurfaceKey::agrees`] takes it.
+const ON: f32 = 1.5;
 
 /// The picture before.
 pub(super) struct Earlier<'a> {
@@ -27,8 +30,9 @@ impl Earlier<'_> {
         let first = (top * self.full[0] + left) as usize;
         let [above, below] = [first, first + self.full[0] as usize].map(|i| &self.texels[i..i + 2]);
         let (taps, number) = ([&above[0], &above[1], &below[0], &below[1]], key.number());
-        let is_one = taps.iter().fold(true, |is_one, tap| is_one & (tap.number() == number));
-        if !is_one {
+        // Bits without branches: numbers are never NaN, nor negative.
+        let differs = |tap: &Texel| tap.number().to_bits() ^ number.to_bits();
+        if taps.iter().fold(0, |all, tap| all | differs(tap)) != 0 {
             return None;
         }
         let shown = Shown::mean(taps, weights([x - left as f32, y - top as f32]), number);
@@ -52,26 +56,35 @@ impl Earlier<'_> {
             return (Shown::default(), 0.0);
         }
         let (left, top) = (x.floor(), y.floor());
-        let mut weights = weights([x - left, y - top]);
-        let absent = Texel::default();
-        let mut taps = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| {
-            let (column, row) = (left as i32 + dx, top as i32 + dy);
-            let is_there =
-                column >= 0 && row >= 0 && column < self.full[0] as i32 && row < self.full[1] as i32;
-            is_there.then(|| &self.texels[row as usize * self.full[0] as usize + column as usize])
-        });
-        for (tap, weight) in taps.iter_mut().zip(&mut weights) {
-            *tap = tap.filter(|tap| tap.number() == key.number() && is_on(tap.p(), key));
-            if tap.is_none() {
-                *weight = 0.0;
-            }
+        let [right, below] = [x - left, y - top];
+        // Those beside the picture count as the nearest ones in it, and without weight.
+        let side = |at: f32, side: u32, share: f32| {
+            let (first, last) = (at as i32, side as i32 - 1);
+            let before = if first < 0 { 0.0 } else { 1.0 - share };
+            let after = if first == last { 0.0 } else { share };
+            ([first.max(0) as usize, (first + 1).min(last) as usize], [before, after])
+        };
+        let (columns, [left, right]) = side(left, self.full[0], right);
+        let (rows, [above, below]) = side(top, self.full[1], below);
+        let weights = Vec4::new(left * above, right * above, left * below, right * below);
+        let (above, below) = (rows[0] * self.full[0] as usize, rows[1] * self.full[0] as usize);
+        let tap = |row: usize, column: usize| &self.texels[row + column];
+        let taps =
+            [tap(above, columns[0]), tap(above, columns[1]), tap(below, columns[0]), tap(below, columns[1])];
+        let number = key.number();
+        let same = Vec4::from(taps.map(|tap| if tap.number() == number { 1.0 } else { 0.0 }));
+        let mut weights = weights * same;
+        if key.is_surface() {
+            let points = [taps[0].p(), taps[1].p(), taps[2].p(), taps[3].p()];
+            let each = |k: usize| Vec4::new(points[0][k], points[1][k], points[2][k], points[3][k]);
+            weights = key.on_surface([each(0), each(1), each(2)], weights, ON);
         }
-        let sum: f32 = weights.iter().sum();
+        let [a, b, c, d] = weights.to_array();
+        let sum = a + b + c + d;
         if sum <= 0.0 {
             return (Shown::default(), 0.0);
         }
-        let taps = taps.map(|tap| tap.unwrap_or(&absent));
-        (Shown::mean(taps, weights.map(|weight| weight / sum), key.number()), sum)
+        (Shown::mean(taps, (weights / sum).to_array(), number), sum)
     }
 
     /// The pixel that holds a point.
@@ -91,6 +104,6 @@ fn weights([right, below]: [f32; 2]) -> [f32; 4] {
 #[inline(always)]
 pub(super) fn is_on(p: Vec3, key: &SurfaceKey) -> bool {
     let offset = p - key.p;
-    let same = Same::new(key.width, 1.5);
+    let same = Same::new(key.width, ON);
     !key.is_surface() || same.holds(offset.length_squared(), offset.dot(key.ns), 1.0)
 }

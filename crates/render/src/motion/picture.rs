@@ -35,8 +35,10 @@ const UNREST: u32 = 8;
 const DIM: f32 = 0.25;
 /// Weight of a new picture in the noise estimate.
 const NEW_NOISE: f32 = 0.2;
-/// Fresh samples of a first picture, relative to later ones.
-const FIRST: f32 = 4.0;
+/// Fresh samples of a first picture, relative to later ones: nothing else is known, and its noise is seen at once.
+const FIRST: f32 = 6.0;
+/// Pictures of a quarter of the pixels that a first picture consists of.
+const QUARTERS: u32 = 4;
 
 /// State that pictures of a camera in motion leave to the next one: light on visible surfaces, and virtual
 /// lights; see [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
@@ -120,9 +122,25 @@ impl PictureHistory {
         (tiles, stats): (&mut [TileFilm], &mut RenderStats),
         pool: &rayon::ThreadPool,
     ) -> bool {
+        self.follow(job);
+        let is_first = self.before.is_none();
+        // All pixels of the first picture are traced: nothing else shows what is between them.
+        let times = if is_first && share.stride > 1 { QUARTERS } else { 1 };
+        let fresh = if is_first { FIRST * share.fresh } else { share.fresh };
+        (0..times).all(|_| self.make(job, camera, MotionShare { fresh, ..share }, (tiles, stats), pool))
+    }
+
+    /// Makes a picture of the world and the options that are followed.
+    fn make(
+        &mut self,
+        job: &Job,
+        camera: &Arc<dyn CameraShader>,
+        share: MotionShare,
+        (tiles, stats): (&mut [TileFilm], &mut RenderStats),
+        pool: &rayon::ThreadPool,
+    ) -> bool {
         let begin = Instant::now();
         let lattice = Lattice::new([job.options.width, job.options.height], share.stride, self.frame);
-        self.follow(job);
         if lattice.stride > 1 && !self.whole.is_of(lattice.full) {
             self.begin_whole(lattice.full, pool);
         }
@@ -137,19 +155,18 @@ impl PictureHistory {
                 || lights.next_few(job),
             )
         });
+        let pass = pass.map(|(pass, of_lights)| {
+            stats.add(&of_lights);
+            pass
+        });
         let looked = Instant::now();
-        if let Some(pass) = &pass {
-            stats.add(&pass.stats);
-        }
-        // The first one has no history.
-        let fresh = if self.before.is_some() { share.fresh } else { FIRST * share.fresh };
         let [width, height] = lattice.size();
-        let requested = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(width) * f64::from(height);
+        let requested = f64::from(share.fresh.clamp(0.0, 1.0)) * f64::from(width) * f64::from(height);
         let scale = scale(counts, requested);
         let chosen = pool.install(|| frame.choose(scale, self.frame));
         let sampled = pool.install(|| {
             let cut = [self.mean, Strength::of(self.noise.unwrap_or_default()).most_of_one()];
-            frame.sample(job, pass.as_ref(), (&chosen, self.frame), &self.tints, cut, stats)
+            frame.sample(job, pass.as_deref(), (&chosen, self.frame), &self.tints, cut, stats)
         });
         let Some(brightness) = sampled else {
             // The previous picture stays the previous one, but for its tints.
@@ -248,8 +265,7 @@ impl PictureHistory {
         let (tints, shown) = (&self.tints, &self.shown);
         let lattice = *lattice;
         let traced = Traced { lattice, surface_keys, tints, shown, unknown, origins, camera, eye };
-        self.whole.next(&traced, level);
-        write(tiles, |[x, y]| self.whole.color(x, y));
+        self.whole.next(&traced, tiles, level);
     }
 }
 

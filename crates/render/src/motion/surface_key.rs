@@ -4,7 +4,7 @@
 //! Layout: the data that compares pixels is separate from the data of their colour, because filters read only
 //! the former many times.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use gnurt_shading::real::Real;
 
 /// Cosine between normals of one surface, at least.
@@ -47,6 +47,32 @@ impl SurfaceKey {
         let cos = self.ns.dot(other.ns);
         let same = Same::new(self.width, pixels);
         (self.id == other.id) & same.holds(offset.length_squared(), offset.dot(self.ns), cos)
+    }
+
+    /// Those of four weights whose surface [agrees](Self::agrees); 0 for the others.
+    #[inline(always)]
+    pub(super) fn agreeing(&self, others: [&Self; 4], weights: Vec4, pixels: f32) -> Vec4 {
+        let [a, b, c, d] = others;
+        let point = |k: usize| Vec4::new(a.p[k], b.p[k], c.p[k], d.p[k]);
+        let normal = |k: usize| Vec4::new(a.ns[k], b.ns[k], c.ns[k], d.ns[k]);
+        let cos = normal(0) * self.ns.x + normal(1) * self.ns.y + normal(2) * self.ns.z;
+        let same = |other: &Self| if other.id == self.id { 1.0 } else { 0.0 };
+        let ids = Vec4::new(same(a), same(b), same(c), same(d));
+        let weights = self.on_surface([point(0), point(1), point(2)], weights, pixels);
+        Vec4::select(cos.cmpgt(Vec4::splat(SAME_NORMAL)), weights * ids, Vec4::ZERO)
+    }
+
+    /// Those of four weights whose points may be on this surface; 0 for the others.
+    #[inline(always)]
+    pub(super) fn on_surface(&self, [x, y, z]: [Vec4; 3], weights: Vec4, pixels: f32) -> Vec4 {
+        let same = Same::new(self.width, pixels);
+        let (x, y, z) = (x - self.p.x, y - self.p.y, z - self.p.z);
+        let far2 = x * x + y * y + z * z;
+        let off = x * self.ns.x + y * self.ns.y + z * self.ns.z;
+        let off = (off.abs() - same.touching).max(Vec4::ZERO);
+        let near = far2.cmplt(Vec4::splat(same.far2));
+        let on_plane = (off * off).cmple(far2 * (SAME_PLANE * SAME_PLANE));
+        Vec4::select(near, Vec4::select(on_plane, weights, Vec4::ZERO), Vec4::ZERO)
     }
 }
 

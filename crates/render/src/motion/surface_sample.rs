@@ -122,7 +122,7 @@ pub(super) fn sample_surfaces(
             &mut batch.hits,
         );
         tracer.stats.camera_rays += batch.rays.len() as u64;
-        sights.clear();
+        // Each of them is written: by a surface or by the environment.
         sights.resize(batch.rays.len(), SurfaceSample::default());
         see(tracer, batch.met(), &mut sights);
         // Widths of pixels are those of the lattice: neighbours are so far apart.

@@ -18,15 +18,14 @@ use super::lattice::Lattice;
 use super::smooth::Smooth;
 use super::surface_key::{SurfaceKey, Tint};
 use super::texel::{Shown, Texel};
+use crate::film::{self, BLOCK, TileFilm};
 
 /// Share of the four pixels around a point that have to show its surface.
 const LEAST_SHOWN: f32 = 0.25;
-/// From this share on no other neighbour is asked.
-const ENOUGH_SHOWN: f32 = 0.99;
+/// From this share on no other neighbour is considered: it is the most of them.
+const ENOUGH_SHOWN: f32 = 0.5;
 /// How far off a pixel's centre the points of thin things may be, in pixels.
 const OFF_CENTRE: f32 = 0.75;
-/// Rows that go together.
-const ROWS: u32 = 8;
 
 /// The traced pixels, row by row of the lattice.
 pub(super) struct Traced<'a> {
@@ -61,13 +60,41 @@ impl Traced<'_> {
     }
 }
 
-/// A traced pixel, for those between it and the next ones.
+/// A traced pixel, for those between it and the next ones: light; where its point was in the previous picture;
+/// whether the next one in the row shows the same surface, and the one below.
 #[derive(Clone, Copy, Default)]
-struct Spot {
-    light: Vec3,
-    /// Whether the next one in the row shows the same surface, and the one below.
-    right: bool,
-    below: bool,
+#[repr(align(32))]
+struct Spot([f32; 8]);
+
+impl Spot {
+    #[inline(always)]
+    fn light(&self) -> Vec3 {
+        Vec3::new(self.0[0], self.0[1], self.0[2])
+    }
+
+    #[inline(always)]
+    fn origin(&self) -> [f32; 2] {
+        [self.0[3], self.0[4]]
+    }
+
+    #[inline(always)]
+    fn right(&self) -> bool {
+        self.0[5] != 0.0
+    }
+
+    #[inline(always)]
+    fn below(&self) -> bool {
+        self.0[6] != 0.0
+    }
+
+    #[inline(always)]
+    fn mean(spots: [&Self; 4]) -> Self {
+        let mut sum = Self::default();
+        for spot in spots {
+            sum.0.iter_mut().zip(&spot.0).for_each(|(sum, x)| *sum += x);
+        }
+        Self(sum.0.map(|x| 0.25 * x))
+    }
 }
 
 /// The pixels of the last whole picture.
@@ -75,8 +102,6 @@ struct Spot {
 pub(super) struct Whole {
     full: [u32; 2],
     texels: Vec<Texel>,
-    /// Colours and opacities as shown.
-    colors: Vec<[f32; 4]>,
     spare: Vec<Texel>,
     spots: Vec<Spot>,
 }
@@ -106,73 +131,127 @@ impl Whole {
         });
     }
 
-    /// The next picture. Call within a pool of threads.
-    pub(super) fn next(&mut self, traced: &Traced, level: Level) {
+    /// The next picture, whose colours and opacities go to `tiles`. Call within a pool of threads.
+    pub(super) fn next(&mut self, traced: &Traced, tiles: &mut [TileFilm], level: Level) {
         let full = traced.lattice.full;
         let before = self.is_of(full).then_some(Earlier { full, texels: &self.texels });
         let (mut texels, pixels) = (std::mem::take(&mut self.spare), full[0] as usize * full[1] as usize);
         texels.resize(pixels, Texel::default());
-        self.colors.resize(pixels, [0.0; 4]);
-        find_spots(traced, &mut self.spots);
-        let spots = &self.spots;
-        let band = (full[0] * ROWS) as usize;
-        let (bands, colors) = (Pieces::new(&mut texels, band), Pieces::new(&mut self.colors, band));
-        threads::for_each(true, bands.count(), &|n| {
-            let (mut texels, mut colors) = (bands.lock(n), colors.lock(n));
-            let rows = texels.chunks_mut(full[0] as usize).zip(colors.chunks_mut(full[0] as usize));
-            for (y, (texels, colors)) in (n as u32 * ROWS..).zip(rows) {
-                dispatch_two!(level, _simd => row(traced, spots, before.as_ref(), y, (texels, colors)));
+        find_spots(traced, &mut self.spots, level);
+        let columns: Vec<Beside> = (0..full[0]).map(|x| Beside::of(traced.lattice, 0, x)).collect();
+        let maker = Maker { traced, spots: &self.spots, before: before.as_ref(), columns: &columns };
+        let bands = Pieces::new(&mut texels, (full[0] * BLOCK) as usize);
+        let mut strips = film::strips(tiles);
+        let strips = Pieces::new(&mut strips, 1);
+        let width = full[0] as usize;
+        let make = |colors: &mut Vec<[f32; 4]>, n: usize| {
+            let (mut texels, mut strips) = (bands.lock(n), strips.lock(n));
+            colors.resize(texels.len(), [0.0; 4]);
+            let rows = texels.chunks_mut(width).zip(colors.chunks_mut(width));
+            for (y, (texels, colors)) in (n as u32 * BLOCK..).zip(rows) {
+                dispatch_two!(level, _simd => maker.row(y, texels, colors));
             }
-        });
-        drop((bands, colors));
+            strips[0].show(colors, width);
+        };
+        threads::map_with(true, bands.count(), Vec::new, make);
+        drop(bands);
         self.spare = std::mem::replace(&mut self.texels, texels);
         self.full = full;
     }
+}
 
-    /// Colour and opacity of a pixel.
-    #[inline(always)]
-    pub(super) fn color(&self, x: u32, y: u32) -> [f32; 4] {
-        self.colors[(y * self.full[0] + x) as usize]
+/// The columns or rows of the lattice beside one of the picture.
+#[derive(Clone, Copy)]
+struct Beside {
+    first: u32,
+    last: u32,
+    /// Whether it is in the middle between them, or on both.
+    is_between: bool,
+}
+
+impl Beside {
+    fn of(lattice: Lattice, axis: usize, pixel: u32) -> Self {
+        let [first, last] = lattice.beside(axis, pixel);
+        let [before, after] = [first, last].map(|at| lattice.pixel([at, at])[axis]);
+        // Beyond the first and the last ones it is not.
+        Self { first, last, is_between: before + after == 2 * pixel }
     }
 }
 
-/// Row `y` of a picture.
-#[inline(always)]
-fn row(
-    traced: &Traced,
-    spots: &[Spot],
-    before: Option<&Earlier>,
-    y: u32,
-    (texels, colors): (&mut [Texel], &mut [[f32; 4]]),
-) {
-    let rows = traced.lattice.beside(1, y);
-    for (x, (texel, color)) in (0_u32..).zip(texels.iter_mut().zip(colors)) {
-        let pixel = Pixel { at: [x, y], beside: [traced.lattice.beside(0, x), rows] };
-        let (shown, light) = pixel.shown(traced, spots, before);
-        (*texel, *color) = (shown.texel(), shown.color(light));
+/// The data that the pixels of a picture are made from.
+struct Maker<'a> {
+    traced: &'a Traced<'a>,
+    spots: &'a [Spot],
+    before: Option<&'a Earlier<'a>>,
+    columns: &'a [Beside],
+}
+
+impl Maker<'_> {
+    /// Row `y` of a picture.
+    #[inline(always)]
+    fn row(&self, y: u32, texels: &mut [Texel], colors: &mut [[f32; 4]]) {
+        let rows = Beside::of(self.traced.lattice, 1, y);
+        let width = self.traced.lattice.size()[0] as usize;
+        let (top, bottom) = (rows.first as usize * width, rows.last as usize * width);
+        let pixels = texels.iter_mut().zip(colors).zip(self.columns);
+        for (x, ((texel, color), columns)) in (0_u32..).zip(pixels) {
+            let (left, right) = (columns.first as usize, columns.last as usize);
+            let corners = [top + left, top + right, bottom + left, bottom + right];
+            let inside = if rows.is_between & columns.is_between { self.inside(corners) } else { None };
+            let (shown, light) = inside.unwrap_or_else(|| {
+                let beside = [[columns.first, columns.last], [rows.first, rows.last]];
+                Pixel { at: [x, y], beside }.at_edge(self.traced, self.spots, self.before)
+            });
+            (*texel, *color) = (shown.texel(), shown.color(light));
+        }
+    }
+
+    /// The surface and the light of a pixel amid these, if they show one surface.
+    #[inline(always)]
+    fn inside(&self, corners: [usize; 4]) -> Option<(Shown, Vec3)> {
+        let [a, b, c, d] = corners;
+        let spots = [&self.spots[a], &self.spots[b], &self.spots[c], &self.spots[d]];
+        if a == d {
+            let (key, tint) = (&self.traced.surface_keys[a], &self.traced.tints[a]);
+            let light = spots[0].light();
+            return Some((Shown::traced(key, tint, light), light));
+        }
+        let goes_on = (a == b || spots[0].right()) && (a == c || spots[0].below() && spots[1].below());
+        let before = self.before.filter(|_| goes_on)?;
+        // Within a surface its point and its light are between those of the traced pixels.
+        let mean = Spot::mean(spots);
+        let shown = before.inside_surface(mean.origin(), &self.traced.surface_keys[a])?;
+        Some((shown, mean.light()))
     }
 }
 
 /// Light on traced pixels, and the surfaces that go on from one to the next.
-fn find_spots(traced: &Traced, spots: &mut Vec<Spot>) {
+fn find_spots(traced: &Traced, spots: &mut Vec<Spot>, level: Level) {
     let [width, height] = traced.lattice.size().map(|side| side as usize);
     spots.resize(width * height, Spot::default());
     let rows = Pieces::new(spots, width);
     threads::for_each(true, rows.count(), &|y| {
-        let own = &traced.surface_keys[y * width..][..width];
-        let below = traced.surface_keys.get((y + 1) * width..).unwrap_or_default();
-        for (x, spot) in rows.lock(y).iter_mut().enumerate() {
-            let same = |other: &SurfaceKey| {
-                own[x].id == other.id && (!own[x].is_surface() || own[x].agrees(other, 1.5))
-            };
-            let light = traced.shown.light(x, y);
-            *spot = Spot {
-                light: if light.count > 0.0 { light.mean } else { traced.unknown },
-                right: own.get(x + 1).is_some_and(same),
-                below: below.get(x).is_some_and(same),
-            };
-        }
+        let mut spots = rows.lock(y);
+        dispatch_two!(level, _simd => spots_of_row(traced, y, &mut spots));
     });
+}
+
+#[inline(always)]
+fn spots_of_row(traced: &Traced, y: usize, spots: &mut [Spot]) {
+    let width = spots.len();
+    let own = &traced.surface_keys[y * width..][..width];
+    let below = traced.surface_keys.get((y + 1) * width..).unwrap_or_default();
+    let origins = &traced.origins[y * width..][..width];
+    for (x, spot) in spots.iter_mut().enumerate() {
+        let same = |other: &SurfaceKey| {
+            let goes_on = own[x].id == other.id && (!own[x].is_surface() || own[x].agrees(other, 1.5));
+            if goes_on { 1.0 } else { 0.0 }
+        };
+        let light = traced.shown.light(x, y);
+        let [r, g, b] = if light.count > 0.0 { light.mean } else { traced.unknown }.to_array();
+        let (right, below) = (own.get(x + 1).map_or(0.0, same), below.get(x).map_or(0.0, same));
+        *spot = Spot([r, g, b, origins[x][0], origins[x][1], right, below, 0.0]);
+    }
 }
 
 /// A pixel and the columns and rows of traced ones beside it.
@@ -189,44 +268,19 @@ impl Pixel {
         (top..=bottom).flat_map(move |y| (left..=right).map(move |x| [x, y]))
     }
 
-    /// Its surface, and the light there.
-    #[inline(always)]
-    fn shown(&self, traced: &Traced, spots: &[Spot], before: Option<&Earlier>) -> (Shown, Vec3) {
-        let [[left, right], [top, bottom]] = self.beside;
-        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]].map(|at| traced.index(at));
-        let [first, last] = [[left, top], [right, bottom]].map(|at| traced.lattice.pixel(at));
-        // Beyond the first and the last ones it is not.
-        let is_between = (0..2).all(|k| first[k] + last[k] == 2 * self.at[k]);
-        if is_between && corners[0] == corners[3] {
-            let light = spots[corners[0]].light;
-            return (traced.shown([left, top], light), light);
-        }
-        let goes_on = is_between
-            && (left == right || spots[corners[0]].right)
-            && (top == bottom || spots[corners[0]].below && spots[corners[1]].below);
-        if let Some(before) = before.filter(|_| goes_on) {
-            // Within a surface its point and its light are between those of the traced pixels.
-            let point = [0, 1].map(|k| 0.25 * corners.iter().map(|&i| traced.origins[i][k]).sum::<f32>());
-            if let Some(shown) = before.inside_surface(point, &traced.surface_keys[corners[0]]) {
-                return (shown, 0.25 * corners.iter().map(|&i| spots[i].light).sum::<Vec3>());
-            }
-        }
-        self.at_edge(traced, spots, before)
-    }
-
     /// Where several surfaces meet.
     #[inline(always)]
     fn at_edge(&self, traced: &Traced, spots: &[Spot], before: Option<&Earlier>) -> (Shown, Vec3) {
         let Some(shown) = before.and_then(|before| self.known(traced, before)) else {
             let far = self.farthest(traced);
-            let light = spots[traced.index(far)].light;
+            let light = spots[traced.index(far)].light();
             return (traced.shown(far, light), light);
         };
         let (mut light, mut count) = (Vec3::ZERO, 0.0);
         for i in self.neighbours().map(|at| traced.index(at)) {
             let key = &traced.surface_keys[i];
             if key.number() == shown.number() && is_on(shown.p(), key) {
-                light += spots[i].light;
+                light += spots[i].light();
                 count += 1.0;
             }
         }
@@ -239,6 +293,10 @@ impl Pixel {
         let (mut best, mut most) = (Shown::default(), 0.0);
         for at in self.neighbours() {
             let key = &traced.surface_keys[traced.index(at)];
+            // Another neighbour that shows the same surface moves as the first one.
+            if most > 0.0 && key.number() == best.number() && is_on(best.p(), key) {
+                continue;
+            }
             let (shown, share) = before.of_surface(self.origin(traced, at), key);
             if share > most {
                 (best, most) = (shown, share);
