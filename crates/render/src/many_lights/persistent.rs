@@ -35,10 +35,11 @@ use crate::world::WorldMark;
 const PARTS: u32 = 8;
 /// The same if pixels use few lights: small ones, made occasionally, so that no picture waits for many.
 const SMALL_PARTS: u32 = 32;
-/// The number made at once for a first picture, and kept when the world changes.
-const FIRST_PARTS: usize = 4;
-/// Pictures until the next one, as long as some are missing.
-const OFTEN: u32 = 2;
+/// The number kept when the world changes.
+const KEPT_PARTS: usize = 4;
+/// The number made at once for each of the first pictures: fewer lights are limited more, and are darker.
+const FIRST_PARTS: usize = 8;
+const FIRST_PICTURES: u32 = 4;
 /// Pictures between two of them, where nothing calls for more.
 const SELDOM: u32 = 4;
 /// Cosine between directions of view that are one view still, at least.
@@ -130,7 +131,7 @@ impl PersistentLights {
         let hangs_on_view = !is_of_paths || learned_lights::has_many_lights(job.world);
         let are_small = size == SMALL_PARTS;
         if edited && are_small {
-            self.parts.truncate(FIRST_PARTS);
+            self.parts.truncate(KEPT_PARTS);
         }
         if hangs_on_view && !are_small {
             self.parts.retain(|part| part.view.is_near(&view, extent));
@@ -156,7 +157,8 @@ impl PersistentLights {
         let at_once = match self.parts.len() {
             _ if !are_small => size as usize,
             0 => FIRST_PARTS,
-            _ => usize::from(self.pictures % OFTEN == 1),
+            _ if !edited && self.pictures <= FIRST_PICTURES => FIRST_PARTS,
+            _ => 1,
         };
         for number in self.missing().take(at_once).collect::<Vec<u32>>() {
             let vpls = self.part(job, number, stats);
@@ -292,7 +294,7 @@ mod tests {
         let pictures = 2 * SMALL_PARTS;
         let all: Vec<_> = (0..pictures).map(|_| next(&world)).collect();
         let new = all.windows(2).filter(|two| !Arc::ptr_eq(&two[0].0, &two[1].0)).count();
-        assert_eq!(new, SMALL_PARTS as usize - FIRST_PARTS, "one part after the other");
+        assert_eq!(new, FIRST_PICTURES as usize - 1, "all are made for the first pictures");
         let (last, cost) = &all[all.len() - 1];
         assert_eq!(cost.rays(), 0, "kept ones cost nothing");
         let last_instance = InstanceId(scene.instances().len() as u32 - 1);
