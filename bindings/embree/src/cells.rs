@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use gnurt_accel::Grid;
 use gnurt_subdivision::{Place, Tessellation};
 
 use crate::control::Control;
@@ -24,48 +25,24 @@ pub(crate) struct Patches {
     pub(crate) cut: Tessellation,
 }
 
-/// A row of the program's grids.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Grid {
-    first: u32,
-    stride: u32,
-    /// Of vertices.
-    width: u32,
-    height: u32,
+/// A row of the program's grids; `None` behind the last.
+pub(crate) fn grid_of(grids: &View, i: usize) -> Option<Grid> {
+    let [first, stride, size] = grids.get::<u32, 3>(i)?;
+    let [a, b, c, d] = size.to_ne_bytes();
+    let [width, height] = [[a, b], [c, d]].map(u16::from_ne_bytes);
+    Some(Grid { first, stride, width, height })
 }
 
-impl Grid {
-    /// `None` behind the last.
-    pub(crate) fn of(grids: &View, i: usize) -> Option<Self> {
-        let [first, stride, size] = grids.get::<u32, 3>(i)?;
-        let [a, b, c, d] = size.to_ne_bytes();
-        let [width, height] = [[a, b], [c, d]].map(|bytes| u32::from(u16::from_ne_bytes(bytes)));
-        Some(Self { first, stride, width, height })
-    }
-
-    /// How many cells there are along the width and the height.
-    pub(crate) fn size(self) -> [u32; 2] {
-        let [columns, rows] = [self.width, self.height].map(|vertices| vertices.saturating_sub(1));
-        if columns == 0 || rows == 0 { [0, 0] } else { [columns, rows] }
-    }
-
-    fn vertex(self, column: u32, row: u32) -> u32 {
-        let at = u64::from(self.first) + u64::from(row) * u64::from(self.stride) + u64::from(column);
-        // No buffer has so many rows: such a quad is left out.
-        u32::try_from(at).unwrap_or(u32::MAX)
-    }
-
-    /// The vertices around a cell.
-    pub(crate) fn quad(self, column: u32, row: u32) -> [u32; 4] {
-        [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[x, y]| self.vertex(column + x, row + y))
-    }
+/// All of the program's grids.
+pub(crate) fn grids_of(grids: &View) -> Vec<Grid> {
+    (0..grids.len()).filter_map(|i| grid_of(grids, i)).collect()
 }
 
 /// How many cells all grids before each have, one more at the end; `None` for too many.
 pub(crate) fn cells_before(grids: &View) -> Option<Vec<u32>> {
     let mut before = vec![0_u32];
     for i in 0..grids.len() {
-        let [columns, rows] = Grid::of(grids, i)?.size();
+        let [columns, rows] = grid_of(grids, i)?.cells();
         before.push(before[i].checked_add(columns.checked_mul(rows)?)?);
     }
     Some(before)
@@ -73,9 +50,8 @@ pub(crate) fn cells_before(grids: &View) -> Option<Vec<u32>> {
 
 /// The vertices of all cells of all grids.
 pub(crate) fn quads_of_grids(grids: &View) -> Vec<[u32; 4]> {
-    let all = (0..grids.len()).filter_map(|i| Grid::of(grids, i));
-    let cells = all.flat_map(|grid| {
-        let [columns, rows] = grid.size();
+    let cells = grids_of(grids).into_iter().flat_map(|grid| {
+        let [columns, rows] = grid.cells();
         (0..rows).flat_map(move |row| (0..columns).map(move |column| grid.quad(column, row)))
     });
     cells.collect()
@@ -84,8 +60,8 @@ pub(crate) fn quads_of_grids(grids: &View) -> Vec<[u32; 4]> {
 /// The grid of a cell, and its column and row there.
 pub(crate) fn find(before: &[u32], grids: &View, cell: u32) -> Option<(u32, Grid, [u32; 2])> {
     let i = before.partition_point(|&before| before <= cell) - 1;
-    let grid = Grid::of(grids, i)?;
-    let [columns, _] = grid.size();
+    let grid = grid_of(grids, i)?;
+    let [columns, _] = grid.cells();
     let at = cell - before[i];
     (columns > 0).then(|| (i as u32, grid, [at % columns, at / columns]))
 }
@@ -115,7 +91,7 @@ impl Cells {
         match self {
             Self::Grids(before) => match find(before, grids, cell) {
                 Some((prim_id, grid, [column, row])) => {
-                    let [columns, rows] = grid.size();
+                    let [columns, rows] = grid.cells();
                     let at = |i: u32, x: f32, of: u32| (i as f32 + x) / of as f32;
                     (prim_id, [at(column, u, columns), at(row, v, rows)])
                 }

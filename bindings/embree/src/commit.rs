@@ -10,12 +10,12 @@ use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use gnurt_accel::{
-    BuildControl, BuildError, BuildOptions, CurveBasis, CurveForm, Curves, Discs, GeometryKind, Instance,
-    Memory, Motion, MovingQuads, MovingTree, MovingTriangles, ObjectTree, Quads, Quality, Query, SceneError,
-    SceneTree, Shape, Spheres, Triangles, UserGeometry,
+    BuildControl, BuildError, BuildOptions, CurveBasis, CurveForm, Curves, Discs, GeometryKind, Grids,
+    Instance, Memory, Motion, MovingQuads, MovingTree, MovingTriangles, ObjectTree, Quads, Quality, Query,
+    SceneError, SceneTree, Shape, Spheres, Triangles, UserGeometry,
 };
 
-use crate::cells::{Cells, cells_before, quads_of_grids};
+use crate::cells::{Cells, cells_before, grids_of, quads_of_grids};
 use crate::cones::Cones;
 use crate::cut::{Displace, cut};
 use crate::device::Problem;
@@ -45,6 +45,8 @@ struct Prepared<'a> {
 enum Arrays<'a> {
     Triangles(Vec<Cow<'a, [[f32; 3]]>>, Cow<'a, [[u32; 3]]>),
     Quads(Vec<Cow<'a, [[f32; 3]]>>, Cow<'a, [[u32; 4]]>),
+    /// Of one time step.
+    Grids(Cow<'a, [[f32; 3]]>, Vec<gnurt_accel::Grid>),
     Spheres(Vec<(Vec<[f32; 3]>, Vec<f32>)>),
     Discs(Vec<DiscArrays<'a>>),
     Curves(Vec<CurveArrays<'a>>),
@@ -118,6 +120,7 @@ impl Prepared<'_> {
                 [positions] => Quads { positions, indices }.into(),
                 _ => MovingQuads { keys, indices }.into(),
             },
+            Arrays::Grids(positions, grids) => Grids { positions, grids }.into(),
             Arrays::Spheres(keys) => {
                 let spheres =
                     |(centers, radii): &'b (Vec<_>, Vec<_>)| -> Spheres<'b> { Spheres { centers, radii } };
@@ -171,6 +174,9 @@ impl Prepared<'_> {
         match &self.arrays {
             Arrays::Triangles(_, indices) => indices.len(),
             Arrays::Quads(_, indices) => indices.len(),
+            Arrays::Grids(_, grids) => {
+                grids.iter().map(|grid| grid.cells().iter().map(|&n| n as usize).product::<usize>()).sum()
+            }
             Arrays::Spheres(keys) => keys[0].1.len(),
             Arrays::Discs(keys) => keys[0].radii.len(),
             Arrays::Curves(keys) => keys[0].indices.len(),
@@ -299,6 +305,9 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
                 let geometry = Arc::clone(&surface.geometry);
                 let user = UserPrimitives::new(geometry, surface.geom_id, functions, filters, count, steps)?;
                 Arrays::User(Arc::new(user))
+            }
+            (Kind::Grids, None) if !surface.moves() => {
+                Arrays::Grids(surface.first.vertices.rows(), grids_of(&surface.indices))
             }
             (Kind::Grids, None) => {
                 let keys = surface.steps().map(|step| step.vertices.rows()).collect();

@@ -6,7 +6,7 @@
 use gnurt_accel::CurveBasis;
 use gnurt_subdivision::Place;
 
-use crate::cells::{Grid, decoded};
+use crate::cells::{decoded, grid_of};
 use crate::device::Problem;
 use crate::ffi_abi::buffer;
 use crate::ffi_memory::View;
@@ -80,8 +80,8 @@ pub(crate) fn interpolate(
             Corners::of_quad(view(settings, buffer::INDEX, 0)?.get(i).ok_or_else(none)?, [u, v], [1.0; 2])
         }
         Kind::Grids => {
-            let grid = Grid::of(view(settings, buffer::GRID, 0)?, i).ok_or_else(none)?;
-            let size = grid.size();
+            let grid = grid_of(view(settings, buffer::GRID, 0)?, i).ok_or_else(none)?;
+            let size = grid.cells();
             if size == [0, 0] {
                 return Err(Problem::argument(format!("grid {prim_id} has no cell")));
             }

@@ -13,7 +13,7 @@ use gnurt_accel::{
     UserGeometry,
 };
 
-use crate::cells::{self, Cells, Grid, Patches};
+use crate::cells::{self, Cells, Patches};
 use crate::control::{Control, Input};
 use crate::device::{Device, Problem};
 use crate::ffi_abi::{
@@ -640,7 +640,7 @@ impl Surface {
         match &self.cells {
             Some(Cells::Grids(before)) => {
                 let (_, grid, [column, row]) = cells::find(before, &self.indices, number)?;
-                Some(Grid::quad(grid, column, row))
+                Some(grid.quad(column, row))
             }
             _ => self.indices.get(number as usize),
         }

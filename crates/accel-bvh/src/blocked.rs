@@ -32,8 +32,10 @@ use crate::walk::{Ahead, walk};
 pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
     /// The kind in files, with nodes of either form; or the reason why it cannot be saved.
     const IN_FILES: Result<[u64; 2], &'static str>;
-    /// One primitive, or a piece of one, on its way into a lane.
-    type Item: Send + Sync;
+    /// How many primitives a lane may hold: 1, or [`WIDTH`] with numbers of their own.
+    const IN_LANE: usize = 1;
+    /// One primitive, a piece of one, or several, on the way into a lane.
+    type Item: Clone + Send + Sync;
     /// Data of one geometry that its primitives share; `()` for none.
     type Data: BlockData;
     /// Primitives whose tests wait; `()` where none do.
@@ -49,6 +51,26 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
 
     /// Calls `each` with all pieces of a primitive, most often one. None of one that cannot be traced, whose fault is counted.
     fn items(kind: &GeometryKind, prim_id: u32, bad: &mut BadPrimitives, each: &mut dyn FnMut(Self::Item));
+
+    /// Calls `each` with all pieces of the first `count` primitives of a geometry, and the index of the first primitive in each.
+    /// Returns how many primitives can be traced.
+    fn all_items(
+        kind: &GeometryKind,
+        count: u32,
+        bad: &mut BadPrimitives,
+        each: &mut dyn FnMut(u32, Self::Item),
+    ) -> u64 {
+        let mut primitives = 0;
+        for prim_id in 0..count {
+            let mut pieces = 0;
+            Self::items(kind, prim_id, bad, &mut |item| {
+                pieces += 1;
+                each(prim_id, item);
+            });
+            primitives += u64::from(pieces > 0);
+        }
+        primitives
+    }
 
     /// The box around a piece.
     fn bounds(item: &Self::Item) -> Aabb;
@@ -69,8 +91,15 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
         found
     }
 
-    /// Numbers in the object.
+    /// Numbers in the object: those of the first primitives in the lanes.
     fn numbers(&self) -> &[u32; WIDTH];
+
+    /// The numbers of all primitives in a lane.
+    fn numbers_in(&self, lane: usize) -> [u32; WIDTH] {
+        let mut numbers = [INVALID_ID; WIDTH];
+        numbers[0] = self.numbers()[lane];
+        numbers
+    }
 
     /// Makes a valid and regular ray ready for a tree whose greatest coordinate is `greatest`.
     fn ready<S: Simd>(simd: S, ray: &Ray, greatest: f32) -> Self::Ready<S>;
@@ -124,8 +153,8 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
         nearest: &mut dyn NearestPoint,
     );
 
-    /// The primitive in a lane, which is not empty.
-    fn primitive<'a>(&'a self, lane: usize, shared: &'a Shared<Self>) -> Primitive<'a>;
+    /// A primitive in a lane, which has it: by its place in [`numbers_in`](Self::numbers_in).
+    fn primitive<'a>(&'a self, lane: usize, which: usize, shared: &'a Shared<Self>) -> Primitive<'a>;
 
     /// Whether a lane of a file holds a primitive that could have been built, or nothing; there are `count` in all.
     fn is_sound(&self, lane: usize, shared: &Shared<Self>, count: u32) -> bool;
@@ -211,15 +240,23 @@ impl<B: BlockKind> Blocked<B> {
         }
     }
 
-    /// Numbers of all leaf blocks, and how many there are.
+    /// Numbers of all leaf blocks, and how many there are. Each lane that holds several primitives counts as a block.
     pub(crate) fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
-        self.blocks.iter().enumerate().for_each(|(i, block)| visit(i, block.numbers()));
-        self.blocks.len()
+        for (i, block) in self.blocks.iter().enumerate() {
+            match B::IN_LANE {
+                1 => visit(i, block.numbers()),
+                _ => (0..WIDTH).for_each(|lane| visit(i * WIDTH + lane, &block.numbers_in(lane))),
+            }
+        }
+        self.blocks.len() * B::IN_LANE
     }
 
-    /// The primitive in a lane.
+    /// The primitive in a lane of these blocks.
     pub(crate) fn primitive(&self, block: usize, lane: usize) -> Primitive<'_> {
-        self.blocks[block].primitive(lane, &self.shared)
+        match B::IN_LANE {
+            1 => self.blocks[block].primitive(lane, 0, &self.shared),
+            _ => self.blocks[block / WIDTH].primitive(block % WIDTH, lane, &self.shared),
+        }
     }
 
     /// Offers the ray's hits; it is valid and regular, the tree not empty.
@@ -262,7 +299,9 @@ impl<B: BlockKind> Blocked<B> {
     pub(crate) fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
         self.tree.filter_region(region_filter, &mut |range| {
             for block in &self.blocks[range] {
-                lanes(block).for_each(|(lane, number)| visit(number, block.primitive(lane, &self.shared)));
+                for (lane, which, number) in primitives(block) {
+                    visit(number, block.primitive(lane, which, &self.shared));
+                }
             }
         });
     }
@@ -272,4 +311,10 @@ impl<B: BlockKind> Blocked<B> {
 pub(crate) fn lanes<B: BlockKind>(block: &B) -> impl Iterator<Item = (usize, u32)> + use<B> {
     let numbers = *block.numbers();
     (0..WIDTH).map(move |lane| (lane, numbers[lane])).filter(|&(_, number)| number != INVALID_ID)
+}
+
+/// All primitives of a block: their lanes, their places there, and their numbers.
+pub(crate) fn primitives<B: BlockKind>(block: &B) -> impl Iterator<Item = (usize, usize, u32)> {
+    let numbered = |lane| (0..).zip(block.numbers_in(lane)).map(move |(which, number)| (lane, which, number));
+    (0..WIDTH).flat_map(numbered).filter(|&(_, _, number)| number != INVALID_ID)
 }

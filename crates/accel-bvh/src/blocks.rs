@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The list of the kinds of primitives that are not triangles, and the index that is of one of them.
+//! The list of the kinds of primitives that are not single triangles, and the index that is of one of them.
 //! Tests: `tests/mixed.rs` of `gnurt-accel`.
 
 use std::io::{self, Read, Write};
@@ -113,6 +113,8 @@ kinds! {
     Discs(crate::discs::DiscBlock),
     /// Curves.
     Curves(crate::curves::CurveBlock),
+    /// Grids of vertices.
+    Grids(crate::grids::GridBlock),
     /// Geometry of the caller's own.
     User(crate::user::UserBlock),
 }

@@ -178,7 +178,7 @@ impl BlockKind for CurveBlock {
         }
     }
 
-    fn primitive<'a>(&'a self, lane: usize, shared: &'a Shared<Self>) -> Primitive<'a> {
+    fn primitive<'a>(&'a self, lane: usize, _: usize, shared: &'a Shared<Self>) -> Primitive<'a> {
         let (curves, prim_id) = shared.of(self.numbers[lane]);
         Primitive::Curve(curves, prim_id, part(self.place(lane)))
     }

@@ -139,7 +139,7 @@ impl BlockKind for DiscBlock {
         nearest.offer(on_disc(probe, center, radius, normal), [0.0; 2], self.numbers[lane], slot);
     }
 
-    fn primitive(&self, lane: usize, _: &Shared<Self>) -> Primitive<'_> {
+    fn primitive(&self, lane: usize, _: usize, _: &Shared<Self>) -> Primitive<'_> {
         let (center, radius, normal) = self.disc(lane);
         Primitive::Disc(center, radius, normal)
     }

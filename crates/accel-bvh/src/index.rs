@@ -4,6 +4,8 @@
 
 mod store;
 
+pub(crate) use store::Whole;
+
 use std::sync::{Arc, OnceLock};
 
 use gnurt_accel_core::control::Watch;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Wide bounding volume hierarchies: eight children per node, leaves of blocks of eight primitives.
-//! Triangles, spheres, discs, curves, user geometry, and boxes that the caller supplies.
+//! Triangles, grids, spheres, discs, curves, user geometry, and boxes that the caller supplies.
 //! Source: [WBB08]. The builder is in `build`, nodes in `node` and `compact`, the code compiled for each
 //! level in [`Kernels`].
 //!
@@ -21,6 +21,7 @@ mod curves;
 mod discs;
 mod doubles;
 mod gather;
+mod grids;
 mod incoherent;
 mod index;
 mod interleaved;

@@ -154,14 +154,14 @@ impl MovingUserIndex {
     /// The primitive in a lane.
     #[must_use]
     pub fn primitive(&self, block: usize, lane: usize) -> Primitive<'_> {
-        self.blocks[block].primitive(lane, &self.shared)
+        self.blocks[block].primitive(lane, 0, &self.shared)
     }
 
     /// Shows the primitives that may meet a region at time 0.
     pub fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
         self.keys[0].filter_region(region_filter, &mut |range| {
             for block in &self.blocks[range] {
-                lanes(block).for_each(|(lane, number)| visit(number, block.primitive(lane, &self.shared)));
+                lanes(block).for_each(|(lane, number)| visit(number, block.primitive(lane, 0, &self.shared)));
             }
         });
     }

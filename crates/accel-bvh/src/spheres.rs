@@ -130,7 +130,7 @@ impl BlockKind for SphereBlock {
         nearest.offer(offset, [0.0; 2], self.numbers[lane], slot);
     }
 
-    fn primitive(&self, lane: usize, _: &Shared<Self>) -> Primitive<'_> {
+    fn primitive(&self, lane: usize, _: usize, _: &Shared<Self>) -> Primitive<'_> {
         let (center, radius) = self.sphere(lane);
         Primitive::Sphere(center, radius)
     }

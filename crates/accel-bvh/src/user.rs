@@ -90,7 +90,7 @@ impl BlockKind for UserBlock {
         }
     }
 
-    fn primitive<'a>(&'a self, lane: usize, shared: &'a Shared<Self>) -> Primitive<'a> {
+    fn primitive<'a>(&'a self, lane: usize, _: usize, shared: &'a Shared<Self>) -> Primitive<'a> {
         let (user, prim_id) = shared.of(self.0[lane]);
         Primitive::User(&**user, prim_id)
     }

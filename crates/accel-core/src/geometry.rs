@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 pub use crate::bad_primitives::{BadPrimitives, LARGEST_COORDINATE, MOST_TRIANGLES};
 use crate::curve::Curves;
+use crate::grids::Grids;
 use crate::user::UserGeometry;
 
 /// No plane of a box lies beyond this: the box of a sphere reaches to twice [`LARGEST_COORDINATE`], and those of compact
@@ -106,6 +107,8 @@ pub enum GeometryKind<'a> {
     Triangles(Triangles<'a>),
     /// A mesh of quads.
     Quads(Quads<'a>),
+    /// Grids of vertices.
+    Grids(Grids<'a>),
     /// Spheres.
     Spheres(Spheres<'a>),
     /// Spheres that rays hit from outside only.
@@ -177,6 +180,7 @@ impl<'a> Geometry<'a> {
         match &self.kind {
             GeometryKind::Triangles(mesh) => mesh.indices.len(),
             GeometryKind::Quads(mesh) => 2 * mesh.indices.len(),
+            GeometryKind::Grids(grids) => 2 * grids.cells(),
             GeometryKind::Spheres(spheres) | GeometryKind::SphereOutsides(spheres) => {
                 spheres.centers.len().min(spheres.radii.len())
             }
@@ -218,6 +222,12 @@ impl<'a> From<Quads<'a>> for Geometry<'a> {
     }
 }
 
+impl<'a> From<Grids<'a>> for Geometry<'a> {
+    fn from(grids: Grids<'a>) -> Self {
+        Self::new(GeometryKind::Grids(grids))
+    }
+}
+
 impl<'a> From<Spheres<'a>> for Geometry<'a> {
     fn from(spheres: Spheres<'a>) -> Self {
         Self::new(GeometryKind::Spheres(spheres))
@@ -241,7 +251,7 @@ impl<'a> From<Curves<'a>> for Geometry<'a> {
 pub struct Numbering {
     /// First number of each geometry, and one past the last.
     pub starts: Vec<u32>,
-    /// Which geometries are quads.
+    /// Which geometries are quads, or grids of them.
     pub quads: Vec<bool>,
     /// Primitives that got no number.
     pub too_many: u64,
@@ -261,7 +271,10 @@ impl Numbering {
         let mut numbering = Self { starts: vec![0], ..Self::default() };
         let mut next = 0;
         for geometry in geometries {
-            let quads = matches!(geometry.kind, GeometryKind::Quads(_) | GeometryKind::MovingQuads(_));
+            let quads = matches!(
+                geometry.kind,
+                GeometryKind::Quads(_) | GeometryKind::MovingQuads(_) | GeometryKind::Grids(_)
+            );
             let (count, free) = (geometry.count(), MOST_TRIANGLES - next);
             // Quads are taken whole.
             let taken = count.min(if quads { free / 2 * 2 } else { free });

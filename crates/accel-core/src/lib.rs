@@ -39,11 +39,13 @@ pub mod exact;
 pub mod filter_region;
 pub mod float;
 pub mod geometry;
+pub mod grids;
 pub mod hit;
 pub mod motion;
 pub mod moving;
 pub mod nearest;
 pub mod options;
+pub mod patches;
 pub mod point;
 pub mod primitive;
 pub mod query;
@@ -72,6 +74,7 @@ pub use geometry::{
     BadPrimitives, Discs, FARTHEST_PLANE, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES,
     MovingQuads, MovingTriangles, Quads, Spheres, Triangles,
 };
+pub use grids::{Grid, Grids};
 pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
 pub use motion::KeyInterval;
 pub use options::{BuildOptions, Memory, Quality, Structure, TriangleTest};

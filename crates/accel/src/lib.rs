@@ -232,7 +232,7 @@ pub use facing::Face;
 pub use gnurt_accel_core::threads;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, CurveBasis,
-    CurveForm, Curves, Discs, Geometry, GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval,
+    CurveForm, Curves, Discs, Geometry, GeometryKind, Grid, Grids, Hit, HitBatch, INVALID_ID, KeyInterval,
     LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, MovingQuads, MovingTriangles, PointHit,
     PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres,
     Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,

@@ -17,6 +17,7 @@ mod doubles;
 mod far_away;
 mod filters;
 mod fuzzy;
+mod grid_meshes;
 mod grids;
 mod instances;
 mod intervals;

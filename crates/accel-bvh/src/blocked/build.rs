@@ -41,6 +41,17 @@ impl<'a> Inputs<'a> {
         self.own().map(|(i, _)| self.numbering.range(i).len() as u64).sum()
     }
 
+    /// All items of the kind, with ascending numbers, where each primitive can be traced.
+    fn several<B: BlockKind>(&self) -> Result<Vec<(u32, B::Item)>, RefitError> {
+        let (mut items, mut primitives) = (Vec::new(), 0);
+        for (i, geometry) in self.own().filter(|(_, geometry)| B::is_kind_of(&geometry.kind)) {
+            let (numbers, bad) = (self.numbering.range(i), &mut BadPrimitives::default());
+            let mut keep = |prim_id, item| items.push((numbers.start + prim_id, item));
+            primitives += B::all_items(&geometry.kind, numbers.len() as u32, bad, &mut keep);
+        }
+        if primitives == self.count() { Ok(items) } else { Err(RefitError::OtherPrimitives) }
+    }
+
     pub(crate) fn shared<B: BlockKind>(&self) -> Shared<B> {
         let own = self.own();
         Shared(own.map(|(i, geometry)| (self.numbering.starts[i], B::data(&geometry.kind))).collect())
@@ -76,18 +87,17 @@ impl<B: BlockKind> Blocked<B> {
         threads: Threads,
     ) -> Result<Self, BuildError> {
         // Pieces may be more; their memory is taken as it fills.
-        let most = 2 * inputs.count() as usize;
+        let most = 2 * inputs.count() as usize / B::IN_LANE;
         let mut gathered =
             Gathered::<B> { items: Vec::with_capacity(most), numbers: Vec::with_capacity(most) };
         prefer_huge_pages(&gathered.items);
         let mut primitives = 0;
         for (i, geometry) in inputs.own() {
-            for (prim_id, number) in (0..).zip(inputs.numbering.range(i)) {
-                let before = gathered.items.len();
-                B::items(&geometry.kind, prim_id, bad, &mut |item| gathered.items.push(item));
-                gathered.numbers.resize(gathered.items.len(), number);
-                primitives += u64::from(gathered.items.len() > before);
-            }
+            let numbers = inputs.numbering.range(i);
+            primitives += B::all_items(&geometry.kind, numbers.len() as u32, bad, &mut |prim_id, item| {
+                gathered.items.push(item);
+                gathered.numbers.push(numbers.start + prim_id);
+            });
         }
         let mut tree = build(&gathered, quality, threads)?;
         tree.settle(memory);
@@ -116,6 +126,7 @@ impl<B: BlockKind> Blocked<B> {
             return Err(RefitError::OtherPrimitives);
         }
         self.shared = inputs.shared();
+        let several = if B::IN_LANE > 1 { inputs.several::<B>()? } else { Vec::new() };
         let fit = |block: &mut B| {
             let mut items = [const { None }; WIDTH];
             for (lane, number) in lanes(block) {
@@ -124,7 +135,12 @@ impl<B: BlockKind> Blocked<B> {
                 if !B::is_kind_of(kind) {
                     return Err(RefitError::OtherGeometry);
                 }
-                let item = block.moved(lane, kind, number - inputs.numbering.starts[geometry]);
+                let item = if B::IN_LANE > 1 {
+                    let found = several.binary_search_by_key(&number, |&(number, _)| number);
+                    found.ok().map(|at| several[at].1.clone())
+                } else {
+                    block.moved(lane, kind, number - inputs.numbering.starts[geometry])
+                };
                 items[lane] = Some(item.ok_or(RefitError::OtherPrimitives)?);
             }
             block.frame(&items.each_ref().map(Option::as_ref));

@@ -7,7 +7,7 @@ use std::io::{self, Read, Write};
 use gnurt_accel_core::store::{LoadError, Reader, Writer};
 use gnurt_accel_core::{Aabb, INVALID_ID, Memory, TreeStats};
 
-use super::{BlockData, BlockKind, Blocked, Shared, lanes};
+use super::{BlockData, BlockKind, Blocked, Shared, lanes, primitives};
 use crate::node::WIDTH;
 use crate::tree::Tree;
 
@@ -78,8 +78,9 @@ impl<B: BlockKind> Blocked<B> {
             return Err(LoadError::Damaged("invalid primitive"));
         }
         self.tree.check(self.blocks.len())?;
-        let mut numbers: Vec<u32> = self.blocks.iter().flat_map(lanes).map(|(_, number)| number).collect();
-        let references = numbers.len() as u64;
+        let references = self.blocks.iter().flat_map(lanes).count() as u64;
+        let mut numbers: Vec<u32> =
+            self.blocks.iter().flat_map(primitives).map(|(_, _, number)| number).collect();
         numbers.sort_unstable();
         numbers.dedup();
         let primitives = numbers.len() as u64;

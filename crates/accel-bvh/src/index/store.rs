@@ -37,7 +37,7 @@ impl StoredRecord for Node8 {
 }
 
 /// A compact node with its contents, as files have it: steps are floats there.
-struct Whole(CompactNode, Children);
+pub(crate) struct Whole(pub(crate) CompactNode, pub(crate) Children);
 
 impl StoredRecord for Whole {
     const LENGTH: usize = 3 + 3 + 3 * 2 * WIDTH / 4 + WIDTH;
