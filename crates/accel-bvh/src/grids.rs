@@ -8,12 +8,14 @@ mod store;
 use std::sync::Arc;
 
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
+use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::geometry::GeometryKind;
 use gnurt_accel_core::grids::Grids;
-use gnurt_accel_core::patches::{CORNERS, OwnedVertices, Patch};
+use gnurt_accel_core::patches::{CORNERS, OwnedVertices, Patch, meet_patch};
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::traversal::RayTraversal;
+use gnurt_accel_core::triangle::TriangleHit;
 use gnurt_accel_core::{Aabb, BadPrimitives, INVALID_ID, Ray};
 use gnurt_simd::{Simd, prelude::*};
 
@@ -48,31 +50,40 @@ pub struct ReadyRay<S: Simd> {
 
 impl GridBlock {
     /// The triangles of a patch, one in each lane; in place of those that are left out one of the others.
-    #[inline(always)]
+    #[cold]
+    #[inline(never)]
     fn triangles(&self, lane: usize, shared: &Shared<Self>) -> TriangleBlock {
         let lane = lane & (WIDTH - 1);
         let (first, columns, halves) = (self.numbers[lane], self.columns[lane], self.halves[lane]);
         let (vertices, _) = shared.of(first);
-        let nine = vertices.patch(self.vertices[lane], self.strides[lane]);
+        let rows = vertices.rows(self.vertices[lane], self.strides[lane]);
+        let corner = |i: usize| [0, 1, 2].map(|k| rows[i / 3][3 * (i % 3) + k]);
         let mut block = TriangleBlock::ZERO;
+        let one = halves.trailing_zeros() as usize & (WIDTH - 1);
         for half in 0..WIDTH {
-            block.put(half, &CORNERS[half].map(|corner| nine[corner]), Patch::number(first, columns, half));
-        }
-        if halves != u8::MAX {
-            leave_out(&mut block, halves);
+            let own = if halves >> half & 1 != 0 { half } else { one };
+            block.put(half, &CORNERS[own].map(corner), Patch::number(first, columns, own));
         }
         block
     }
 }
 
-/// Puts one of these halves into all lanes of the others.
-#[cold]
-#[inline(never)]
-fn leave_out(block: &mut TriangleBlock, halves: u8) {
-    let one = halves.trailing_zeros() as usize & (WIDTH - 1);
-    let (corners, number) = (block.corners_of(one, [0, 1, 2]), block.numbers[one]);
-    for half in (0..WIDTH).filter(|half| halves >> half & 1 == 0) {
-        block.put(half, &corners, number);
+/// Offers the hits of halves, by bits.
+#[inline(always)]
+fn offer(
+    mut bits: u64,
+    [t, u, v]: &[[f32; WIDTH]; 3],
+    first: u32,
+    columns: u16,
+    traversal: &mut RayTraversal,
+) {
+    while bits != 0 {
+        let half = bits.trailing_zeros() as usize & (WIDTH - 1);
+        bits &= bits - 1;
+        if t[half] <= traversal.reach() {
+            let hit = TriangleHit { t: t[half], u: u[half], v: v[half] };
+            traversal.offer(hit, Patch::number(first, columns, half), traversal.slot);
+        }
     }
 }
 
@@ -96,7 +107,7 @@ impl BlockKind for GridBlock {
     }
 
     fn data(kind: &GeometryKind) -> Self::Data {
-        Arc::new(OwnedVertices(grids(kind).positions.to_vec()))
+        Arc::new(OwnedVertices::new(grids(kind).positions))
     }
 
     fn items(_: &GeometryKind, _: u32, _: &mut BadPrimitives, _: &mut dyn FnMut(Patch)) {}
@@ -179,7 +190,21 @@ impl BlockKind for GridBlock {
             // A ray from very far away meets boxes of empty lanes.
             if near[lane] <= traversal.reach() && self.halves[lane] != 0 {
                 tested += WIDTH as u64;
-                self.triangles(lane, shared).meet(simd, &ready.for_triangles, slot, traversal);
+                let (first, columns) = (self.numbers[lane], self.columns[lane]);
+                let rows = shared.of(first).0.rows(self.vertices[lane], self.strides[lane]);
+                meet_patch(
+                    simd,
+                    rows,
+                    self.halves[lane],
+                    &ready.for_triangles,
+                    traversal,
+                    #[inline(always)]
+                    |bits, hits, traversal| offer(bits, hits, first, columns, traversal),
+                    #[inline(always)]
+                    |bits, hits, single, traversal| {
+                        self.triangles(lane, shared).meet_in_doubt(bits, hits, single, slot, traversal);
+                    },
+                );
             }
         }
         tested

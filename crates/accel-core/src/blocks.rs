@@ -31,8 +31,8 @@ pub struct TriangleBlock {
 /// One ray prepared for blocks.
 #[derive(Clone, Copy)]
 pub struct BlockRay<S: Simd> {
-    axes: [usize; 3],
-    sheared: Sheared<f32x8<S>>,
+    pub(crate) axes: [usize; 3],
+    pub(crate) sheared: Sheared<f32x8<S>>,
     /// The direction of the original ray, along the same axes: rarely needed.
     dir: [f32; 3],
     t_near: f32x8<S>,
@@ -59,6 +59,45 @@ impl<S: Simd> BlockRay<S> {
             shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
         };
         Self { axes, sheared, dir, t_near: f32x8::splat(simd, t_near) }
+    }
+
+    /// Offers the hits with one triangle in each of some lanes, by bits: `offer` those that floats decide, `doubt` the others,
+    /// by bits as [`TriangleBlock::meet_in_doubt`] has them. Corners are relative to the origin, along this ray's axes.
+    #[inline(always)]
+    pub(crate) fn meet<C: Collect>(
+        &self,
+        simd: S,
+        corners: [[f32x8<S>; 3]; 3],
+        lanes: u64,
+        collect: &mut C,
+        offer: impl FnOnce(u64, &[[f32; WIDTH]; 3], &mut C),
+        doubt: impl FnOnce([u64; 3], &[[f32; WIDTH]; 3], ([usize; 3], SingleRay, f32), &mut C),
+    ) {
+        let shear = &self.sheared.shear;
+        let edges = pass_edges(simd, corners, shear);
+        if !edges.inside.any_true() {
+            return;
+        }
+        let reached = edges.reach(shear[2], self.t_near, f32x8::splat(simd, collect.reach()));
+        if !reached.lanes.any_true() {
+            return;
+        }
+        let (met, uncertain) = reached.meet(simd);
+        let bits = met.hit.to_bitmask() & lanes;
+        // Doubtful lanes leave the fast path: if they were removed from `bits` here, each hit would wait for
+        // the bound.
+        let doubtful = if collect.needs_position() { reached.doubtful(simd, met.t) } else { uncertain };
+        if (doubtful | uncertain).any_true() {
+            let (doubtful, uncertain) = (doubtful.to_bitmask() & lanes, uncertain.to_bitmask() & lanes);
+            let hits = [met.t.to_array(), met.u.to_array(), met.v.to_array()];
+            let single = (self.axes, self.single(), self.t_near[0]);
+            doubt([bits & !doubtful, doubtful & !uncertain, uncertain], &hits, single, collect);
+            return;
+        }
+        if bits != 0 {
+            let hits = [met.t.to_array(), met.u.to_array(), met.v.to_array()];
+            offer(bits, &hits, collect);
+        }
     }
 
     /// The input of [`sheared`](Self::sheared), extracted from the lanes, because it is rarely needed.
@@ -117,37 +156,17 @@ impl TriangleBlock {
         let a = [row(simd, &a[x]), row(simd, &a[y]), row(simd, &a[z])];
         let b = [row(simd, &b[x]), row(simd, &b[y]), row(simd, &b[z])];
         let c = [row(simd, &c[x]), row(simd, &c[y]), row(simd, &c[z])];
-        let Sheared { org, shear } = &ray.sheared;
-        let edges = pass_edges(simd, relative_to([a, b, c], org), shear);
-        if !edges.inside.any_true() {
-            return;
-        }
-        let reached = edges.reach(shear[2], ray.t_near, f32x8::splat(simd, collect.reach()));
-        if !reached.lanes.any_true() {
-            return;
-        }
-        let (met, uncertain) = reached.meet(simd);
-        let bits = met.hit.to_bitmask();
-        // Doubtful lanes leave the fast path: if they were removed from `bits` here, each hit would wait for
-        // the bound.
-        let doubtful = if collect.needs_position() { reached.doubtful(simd, met.t) } else { uncertain };
-        if (doubtful | uncertain).any_true() {
-            let (doubtful, uncertain) = (doubtful.to_bitmask(), uncertain.to_bitmask());
-            let hits = [met.t.to_array(), met.u.to_array(), met.v.to_array()];
-            let single = (ray.axes, ray.single(), ray.t_near[0]);
-            self.meet_in_doubt(
-                [bits & !doubtful, doubtful & !uncertain, uncertain],
-                &hits,
-                single,
-                slot,
-                collect,
-            );
-            return;
-        }
-        if bits != 0 {
-            let hits = [met.t.to_array(), met.u.to_array(), met.v.to_array()];
-            self.offer(bits, &hits, slot, collect);
-        }
+        let corners = relative_to([a, b, c], &ray.sheared.org);
+        ray.meet(
+            simd,
+            corners,
+            u64::MAX,
+            collect,
+            #[inline(always)]
+            |bits, hits, collect| self.offer(bits, hits, slot, collect),
+            #[inline(always)]
+            |bits, hits, single, collect| self.meet_in_doubt(bits, hits, single, slot, collect),
+        );
     }
 
     /// Offers the hits of lanes, by bits.
@@ -166,7 +185,7 @@ impl TriangleBlock {
     /// are fully undecided. The ray by value: one whose address is taken lives in memory.
     #[cold]
     #[inline(never)]
-    fn meet_in_doubt<C: Collect>(
+    pub fn meet_in_doubt<C: Collect>(
         &self,
         [bits, mut inside, mut uncertain]: [u64; 3],
         hits: &[[f32; WIDTH]; 3],

@@ -3,10 +3,15 @@
 //! Space: object. Invariant: cells are the quads of [`Quads`](crate::Quads), grid by grid and row by row, with the same faults.
 //! Tests: `tests::patches_have_each_half_once`, `tests/grid_meshes.rs` of `gnurt-accel`.
 
+use gnurt_simd::{Simd, f32x8, prelude::*};
+
 use crate::aabb::Aabb;
 use crate::bad_primitives::BadPrimitives;
+use crate::blocks::BlockRay;
+use crate::collect::Collect;
 use crate::grids::{Grid, Grids};
 use crate::surfaces::check_quad;
+use crate::triangle::SingleRay;
 
 /// Halves of cells in a patch.
 pub const HALVES: usize = 8;
@@ -92,29 +97,35 @@ impl Grids<'_> {
     }
 }
 
-/// Owned vertices of grids.
+/// Floats of a row of three vertices, and others behind them.
+pub type Row = [f32; 16];
+
+/// Owned vertices of grids: `3 * PAD` floats more, so that each row can be read whole.
 #[derive(Clone, Debug, Default)]
 pub struct OwnedVertices(pub Vec<[f32; 3]>);
 
+/// Vertices behind the last.
+const PAD: usize = 5;
+
 impl OwnedVertices {
-    /// The nine vertices of a patch; zeros where there is none, of which no half is made.
-    #[inline(always)]
-    pub fn patch(&self, vertex: u32, stride: u32) -> [[f32; 3]; 9] {
-        let (vertex, stride) = (vertex as usize, stride as usize);
-        let row = |y: usize| self.0.get(vertex.wrapping_add(y * stride)..)?.first_chunk::<3>();
-        if let (Some(a), Some(b), Some(c)) = (row(0), row(1), row(2)) {
-            return [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]];
-        }
-        self.last(vertex, stride)
+    /// Copies vertices.
+    pub fn new(positions: &[[f32; 3]]) -> Self {
+        let mut all = Vec::with_capacity(positions.len() + PAD);
+        all.extend_from_slice(positions);
+        all.extend([[0.0; 3]; PAD]);
+        Self(all)
     }
 
-    /// The same at the end of the list.
-    #[cold]
-    fn last(&self, vertex: usize, stride: usize) -> [[f32; 3]; 9] {
-        std::array::from_fn(|i| {
-            let at = vertex.saturating_add((i / 3).saturating_mul(stride)).saturating_add(i % 3);
-            self.0.get(at).copied().unwrap_or_default()
-        })
+    /// The rows of a patch; zeros where there is none, of which no half is made.
+    #[inline(always)]
+    pub fn rows(&self, vertex: u32, stride: u32) -> [&Row; 3] {
+        const NONE: &Row = &[0.0; 16];
+        let floats = self.0.as_flattened();
+        let row = |y: usize| {
+            let at = (vertex as usize).wrapping_add(y.wrapping_mul(stride as usize)).wrapping_mul(3);
+            floats.get(at..).and_then(|row| row.first_chunk()).unwrap_or(NONE)
+        };
+        [row(0), row(1), row(2)]
     }
 
     /// Whether there are the vertices of these halves, which can be traced.
@@ -127,6 +138,51 @@ impl OwnedVertices {
             })
         })
     }
+}
+
+/// Offers the hits of a ray with the halves of a patch: as [`BlockRay::meet`].
+#[inline(always)]
+pub fn meet_patch<S: Simd, C: Collect>(
+    simd: S,
+    [a, b, c]: [&Row; 3],
+    halves: u8,
+    ray: &BlockRay<S>,
+    collect: &mut C,
+    offer: impl FnOnce(u64, &[[f32; HALVES]; 3], &mut C),
+    doubt: impl FnOnce([u64; 3], &[[f32; HALVES]; 3], ([usize; 3], SingleRay, f32), &mut C),
+) {
+    let mut nine = [[0.0; 16]; 3];
+    for (k, along) in nine.iter_mut().enumerate() {
+        *along = [
+            a[k],
+            a[3 + k],
+            a[6 + k],
+            b[k],
+            b[3 + k],
+            b[6 + k],
+            c[k],
+            c[3 + k],
+            c[6 + k],
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        ];
+    }
+    let mut corners = [ray.sheared.org; 3];
+    for (which, corner) in corners.iter_mut().enumerate() {
+        for (lanes, &axis) in corner.iter_mut().zip(&ray.axes) {
+            let (from, mut own) = (&nine[axis], [0.0; HALVES]);
+            for (x, half) in own.iter_mut().zip(&CORNERS) {
+                *x = from[half[which]];
+            }
+            *lanes = f32x8::from_slice(simd, &own) - *lanes;
+        }
+    }
+    ray.meet(simd, corners, u64::from(halves), collect, offer, doubt);
 }
 
 #[cfg(test)]
@@ -153,11 +209,12 @@ mod tests {
             })
             .collect();
         assert_eq!((grids.cells(), quads.len()), (22, 22), "four by five, none, and two");
-        let vertices = OwnedVertices(positions.clone());
+        let vertices = OwnedVertices::new(&positions);
         let mut seen = vec![0; 44];
         let halves = grids.patches(44, &mut BadPrimitives::default(), &mut |first, patch| {
             assert!(vertices.holds(patch.vertex, patch.stride, patch.halves), "all are there");
-            let nine = vertices.patch(patch.vertex, patch.stride);
+            let rows = vertices.rows(patch.vertex, patch.stride);
+            let nine: [_; 9] = std::array::from_fn(|i| [0, 1, 2].map(|k| rows[i / 3][3 * (i % 3) + k]));
             for half_at in (0..HALVES).filter(|half| patch.halves >> half & 1 != 0) {
                 let number = Patch::number(first, patch.columns, half_at);
                 seen[number as usize] += 1;
