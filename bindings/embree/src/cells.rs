@@ -59,7 +59,11 @@ pub(crate) fn quads_of_grids(grids: &View) -> Vec<[u32; 4]> {
 
 /// The grid of a cell, and its column and row there.
 pub(crate) fn find(before: &[u32], grids: &View, cell: u32) -> Option<(u32, Grid, [u32; 2])> {
-    let i = before.partition_point(|&before| before <= cell) - 1;
+    // Grids are most often of one size.
+    let all = before.last().map_or(0, |&all| u64::from(all)).max(1);
+    let guess = (u64::from(cell) * grids.len() as u64 / all) as usize;
+    let is_there = before.get(guess..guess + 2).is_some_and(|ends| (ends[0]..ends[1]).contains(&cell));
+    let i = if is_there { guess } else { before.partition_point(|&before| before <= cell) - 1 };
     let grid = grid_of(grids, i)?;
     let [columns, _] = grid.cells();
     let at = cell - before[i];

@@ -11,13 +11,13 @@ use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::geometry::GeometryKind;
 use gnurt_accel_core::grids::Grids;
-use gnurt_accel_core::patches::{CORNERS, OwnedVertices, Patch, meet_patch};
+use gnurt_accel_core::patches::{CORNERS, OwnedVertices, Patch, Row, meet_patch};
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::traversal::RayTraversal;
 use gnurt_accel_core::triangle::TriangleHit;
 use gnurt_accel_core::{Aabb, BadPrimitives, INVALID_ID, Ray};
-use gnurt_simd::{Simd, prelude::*};
+use gnurt_simd::{Simd, prefetch, prelude::*};
 
 use crate::blocked::{BlockKind, Shared};
 use crate::compact::CompactNode;
@@ -49,14 +49,21 @@ pub struct ReadyRay<S: Simd> {
 }
 
 impl GridBlock {
+    /// The vertices of a patch.
+    #[inline(always)]
+    fn rows<'a>(&self, lane: usize, shared: &'a Shared<Self>) -> [&'a Row; 3] {
+        let lane = lane & (WIDTH - 1);
+        let vertices = shared.get(self.numbers[lane]).map(|(vertices, _)| vertices);
+        vertices.map_or([&[0.0; 16]; 3], |vertices| vertices.rows(self.vertices[lane], self.strides[lane]))
+    }
+
     /// The triangles of a patch, one in each lane; in place of those that are left out one of the others.
     #[cold]
     #[inline(never)]
     fn triangles(&self, lane: usize, shared: &Shared<Self>) -> TriangleBlock {
         let lane = lane & (WIDTH - 1);
         let (first, columns, halves) = (self.numbers[lane], self.columns[lane], self.halves[lane]);
-        let (vertices, _) = shared.of(first);
-        let rows = vertices.rows(self.vertices[lane], self.strides[lane]);
+        let rows = self.rows(lane, shared);
         let corner = |i: usize| [0, 1, 2].map(|k| rows[i / 3][3 * (i % 3) + k]);
         let mut block = TriangleBlock::ZERO;
         let one = halves.trailing_zeros() as usize & (WIDTH - 1);
@@ -184,6 +191,12 @@ impl BlockKind for GridBlock {
     ) -> u64 {
         let (mut bits, near) = ready.for_boxes.meet(simd, &self.boxes, traversal.reach());
         let (near, slot, mut tested) = (near.to_array(), traversal.slot, 0);
+        let mut ahead = bits & bits.wrapping_sub(1);
+        while ahead != 0 {
+            let lane = ahead.trailing_zeros() as usize & (WIDTH - 1);
+            ahead &= ahead - 1;
+            self.rows(lane, shared).iter().for_each(|row| prefetch(*row, 0));
+        }
         while bits != 0 {
             let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
             bits &= bits - 1;
@@ -191,7 +204,7 @@ impl BlockKind for GridBlock {
             if near[lane] <= traversal.reach() && self.halves[lane] != 0 {
                 tested += WIDTH as u64;
                 let (first, columns) = (self.numbers[lane], self.columns[lane]);
-                let rows = shared.of(first).0.rows(self.vertices[lane], self.strides[lane]);
+                let rows = self.rows(lane, shared);
                 meet_patch(
                     simd,
                     rows,

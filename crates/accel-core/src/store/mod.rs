@@ -12,6 +12,8 @@
 //!     kind 6, 7: nodes, or compact nodes; blocks of discs                         lists
 //!     kind 8, 9: nodes, or compact nodes; blocks of curves;                       lists
 //!         geometries; first number, flags, and 6 arrays of each                   number, 2 numbers, lists
+//!     kind 10, 11: nodes, or compact nodes; blocks of grids;                      lists
+//!         geometries; first number and vertices of each                           number, a number, a list
 //!     kind 1: nodes, no items, starts of leaves, blocks of triangles              lists
 //!     kind 2: nodes, items, projected triangles                                   lists
 //! checksum                                                                        a number

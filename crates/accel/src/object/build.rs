@@ -59,8 +59,8 @@ impl ObjectTree {
         Self::try_build_from(geometries, options, threads, &()).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// The same under control, as [`try_build`](Self::try_build). Trees of spheres and of user geometry are built in one
-    /// go, and their memory is not counted.
+    /// The same under control, as [`try_build`](Self::try_build). Trees of all but triangles and quads
+    /// are built in one go, and their memory is not counted.
     ///
     /// # Errors
     /// That `control` stopped it, or that there are too many primitives: see [`BuildError`].
