@@ -211,11 +211,11 @@ impl<B: BlockKind> Shared<B> {
 /// Tree and blocks of one kind.
 #[derive(Clone, Debug)]
 pub struct Blocked<B: BlockKind> {
-    tree: Tree,
-    blocks: Vec<B>,
-    shared: Shared<B>,
+    pub(crate) tree: Tree,
+    pub(crate) blocks: Vec<B>,
+    pub(crate) shared: Shared<B>,
     /// The greatest coordinate of any plane.
-    greatest: f32,
+    pub(crate) greatest: f32,
     stats: TreeStats,
 }
 

@@ -9,7 +9,7 @@ use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::RegionFilter;
 use gnurt_accel_core::store::{LoadError, Reader, Writer};
-use gnurt_accel_core::traversal::RayTraversal;
+use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 use gnurt_accel_core::{Aabb, BadPrimitives, BuildError, Memory, Quality, RefitError, Threads, TreeStats};
 use gnurt_simd::Simd;
 
@@ -184,6 +184,16 @@ impl BlockIndex {
     #[inline(always)]
     pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
         each!(self, index => search(simd, index, traversal));
+    }
+
+    /// Improves the hits of a tile's active rays, which are valid and regular, where they gain by going in turns: curves, which
+    /// are many and wait for their vertices. Whether they do.
+    #[inline(always)]
+    pub(crate) fn search_tile<S: Simd>(&self, simd: S, traversal: &mut TileTraversal) -> bool {
+        match self {
+            Self::Curves(index) => index.search_tile(simd, traversal),
+            _ => false,
+        }
     }
 
     /// Improves `nearest` by the primitives.

@@ -17,7 +17,7 @@ use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::traversal::RayTraversal;
 use gnurt_accel_core::triangle::TriangleHit;
 use gnurt_accel_core::{Aabb, BadPrimitives, INVALID_ID, Ray};
-use gnurt_simd::{Simd, prefetch, prelude::*};
+use gnurt_simd::{Simd, prelude::*};
 
 use crate::blocked::{BlockKind, Shared};
 use crate::compact::CompactNode;
@@ -191,12 +191,6 @@ impl BlockKind for GridBlock {
     ) -> u64 {
         let (mut bits, near) = ready.for_boxes.meet(simd, &self.boxes, traversal.reach());
         let (near, slot, mut tested) = (near.to_array(), traversal.slot, 0);
-        let mut ahead = bits & bits.wrapping_sub(1);
-        while ahead != 0 {
-            let lane = ahead.trailing_zeros() as usize & (WIDTH - 1);
-            ahead &= ahead - 1;
-            self.rows(lane, shared).iter().for_each(|row| prefetch(*row, 0));
-        }
         while bits != 0 {
             let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
             bits &= bits - 1;

@@ -61,6 +61,7 @@ struct Others {
     moving_user: OnRay<MovingUserIndex>,
     moving_user_point: OnPoint<MovingUserIndex>,
     blocks: OnRay<BlockIndex>,
+    blocks_tile: fn(Token, &BlockIndex, &mut TileTraversal) -> bool,
     blocks_point: OnPoint<BlockIndex>,
     boxes_point: fn(Token, &BoxIndex, &[f64; 3], f64, EnterPoint),
 }
@@ -87,6 +88,7 @@ impl<S: Simd> For<S> {
         moving_user_point: kernel!(S, |simd, index, probe, slot, nearest| index
             .nearest(simd, probe, slot, nearest)),
         blocks: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
+        blocks_tile: kernel!(S, |simd, index, traversal| index.search_tile(simd, traversal)),
         blocks_point: kernel!(S, |simd, index, probe, slot, nearest| index
             .nearest(simd, probe, slot, nearest)),
         boxes_point: kernel!(S, |simd, index, point, radius, enter| index.near(simd, point, radius, enter)),
@@ -254,6 +256,12 @@ impl Kernels {
     /// One ray through primitives that are not triangles.
     pub fn blocks(&self, index: &BlockIndex, traversal: &mut RayTraversal) {
         (self.others.blocks)(self.token_of_two, index, traversal);
+    }
+
+    /// A tile's active rays, all of them regular and incoherent, through such primitives. Whether that is faster than one by
+    /// one; if not, nothing is done.
+    pub fn blocks_tile(&self, index: &BlockIndex, traversal: &mut TileTraversal) -> bool {
+        (self.others.blocks_tile)(self.token_of_two, index, traversal)
     }
 
     /// Their nearest point.

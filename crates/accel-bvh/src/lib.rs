@@ -22,6 +22,7 @@ mod discs;
 mod doubles;
 mod gather;
 mod grids;
+mod in_turns;
 mod incoherent;
 mod index;
 mod interleaved;

@@ -176,6 +176,15 @@ impl ObjectTree {
                 engine.bvh.incoherent(index, &direction_classes, &mut traversal.only(regular));
             }
         }
+        if let [Part { index: Index::Blocks(index), mask, .. }] = &self.parts[..]
+            && engine.has_tiles()
+            && mask & traversal.rays.mask != 0
+        {
+            let regular = traversal.active & engine.tiles.direction_classes(traversal.rays).regular;
+            if regular != 0 && engine.bvh.blocks_tile(index, &mut traversal.only(regular)) {
+                single &= !regular;
+            }
+        }
         traversal.only(single).one_by_one(|traversal| self.ray(engine, traversal));
     }
 

@@ -140,11 +140,14 @@ impl CurveBlock {
     /// Requests the vertices of a lane's curve, which are about to be read.
     #[inline(always)]
     pub(super) fn prefetch(&self, lane: usize, shared: &Shared<Self>) {
-        if let Some((curves, prim_id)) = shared.get(self.numbers[lane])
-            && let Some(&first) = curves.indices.get(prim_id as usize)
-        {
-            prefetch(&curves.vertices, first as usize);
-            prefetch(&curves.vertices, first as usize + 3);
+        if let Some((curves, prim_id)) = shared.get(self.numbers[lane]) {
+            // Not from the index: that may have to come from memory, too.
+            prefetch(&curves.indices, prim_id as usize);
+            let known = curves.starts.get(prim_id);
+            if let Some(first) = known.or_else(|| curves.indices.get(prim_id as usize).copied()) {
+                prefetch(&curves.vertices, first as usize);
+                prefetch(&curves.vertices, first as usize + 3);
+            }
         }
     }
 }

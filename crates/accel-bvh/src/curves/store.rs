@@ -4,7 +4,7 @@
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 
-use gnurt_accel_core::curve::{CurveBasis, CurveForm, OwnedCurves};
+use gnurt_accel_core::curve::{CurveBasis, CurveForm, OwnedCurves, Starts};
 use gnurt_accel_core::store::{LoadError, Reader, StoredRecord, Writer, get_floats, put_floats};
 
 use super::block::CurveBlock;
@@ -52,6 +52,7 @@ impl BlockData for Arc<OwnedCurves> {
         let normal_tangents = floats()?.as_chunks().0.to_vec();
         let joints: Vec<u32> = reader.list(u32::MAX as usize)?;
         Ok(Self::new(OwnedCurves {
+            starts: Starts::new(&indices),
             basis,
             form,
             vertices,

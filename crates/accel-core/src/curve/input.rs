@@ -4,6 +4,7 @@
 
 use super::cubic::Cubic;
 use super::segment::Segment;
+use super::starts::Starts;
 use super::{Vector, place};
 use crate::bad_primitives::{BadPrimitives, LARGEST_COORDINATE};
 
@@ -288,6 +289,8 @@ pub struct OwnedCurves {
     pub joints: Vec<u8>,
     pub is_seen_from_outside: bool,
     pub pieces: u8,
+    /// Of the indices.
+    pub starts: Starts,
 }
 
 /// A copy for rays, which meet curves anywhere.
@@ -305,6 +308,7 @@ impl OwnedCurves {
             form: curves.form,
             vertices: copied(curves.vertices),
             indices: copied(curves.indices),
+            starts: Starts::new(curves.indices),
             tangents: curves.tangents.to_vec(),
             normals: curves.normals.to_vec(),
             normal_tangents: curves.normal_tangents.to_vec(),
@@ -342,6 +346,7 @@ impl OwnedCurves {
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&self.vertices[..])
             + size_of_val(&self.indices[..])
+            + self.starts.memory_bytes()
             + size_of_val(&self.tangents[..])
             + size_of_val(&self.normals[..])
             + size_of_val(&self.normal_tangents[..])

@@ -12,11 +12,13 @@ mod pieces;
 mod ray;
 mod ribbon;
 mod segment;
+mod starts;
 mod tube;
 
 pub use input::{CurveBasis, CurveForm, Curves, OwnedCurves};
 pub use ray::{CurveHit, Offer, RayFrame};
 pub use segment::{CurvePiece, Segment};
+pub use starts::Starts;
 
 type Vector = [f64; 3];
 
