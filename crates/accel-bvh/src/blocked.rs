@@ -17,7 +17,7 @@ use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::RegionFilter;
 use gnurt_accel_core::store::{LoadError, Reader, StoredRecord, Writer};
-use gnurt_accel_core::traversal::RayTraversal;
+use gnurt_accel_core::traversal::{RayKind, RayTraversal};
 use gnurt_accel_core::{Aabb, BadPrimitives, INVALID_ID, Ray, TreeStats};
 use gnurt_simd::Simd;
 
@@ -26,7 +26,7 @@ pub use build::Inputs;
 use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::tree::Tree;
-use crate::walk::{Ahead, walk};
+use crate::walk::{Ahead, walk, walk_any};
 
 /// A kind of primitives: a block of eight of them.
 pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
@@ -34,6 +34,8 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
     const IN_FILES: Result<[u64; 2], &'static str>;
     /// How many primitives a lane may hold: 1, or [`WIDTH`] with numbers of their own.
     const IN_LANE: usize = 1;
+    /// Whether any hit is found sooner if nodes are visited in no order.
+    const ANY_ORDER: bool = false;
     /// One primitive, a piece of one, or several, on the way into a lane.
     type Item: Clone + Send + Sync;
     /// Data of one geometry that its primitives share; `()` for none.
@@ -266,6 +268,24 @@ impl<B: BlockKind> Blocked<B> {
         let for_nodes = NodeRay::new(simd, traversal.ray, *greatest);
         let ready = B::ready(simd, traversal.ray, *greatest);
         let (mut tested, mut waiting) = (0, B::Waiting::default());
+        if B::ANY_ORDER && matches!(traversal.kind, RayKind::Any) {
+            let visited = walk_any(
+                &Ahead { tree, blocks },
+                simd,
+                Child::node(0),
+                &for_nodes,
+                traversal.reach(),
+                #[inline(always)]
+                |range| {
+                    tested += B::meet_leaf(blocks, range, simd, &ready, shared, &mut waiting, traversal);
+                    traversal.reach() != f32::NEG_INFINITY
+                },
+            );
+            tested += B::finish(blocks, &ready, shared, &mut waiting, traversal);
+            traversal.counters.nodes += u64::from(visited);
+            traversal.counters.triangles += tested;
+            return;
+        }
         let visited = walk(
             &Ahead { tree, blocks },
             simd,
