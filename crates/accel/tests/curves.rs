@@ -576,3 +576,39 @@ fn many_curves_in_one_leaf_are_all_tested() {
         }
     }
 }
+
+#[test]
+fn scattered_rays_through_many_curves_have_the_hits_of_single_rays() {
+    let mut hair = Hair::random(CurveBasis::BSpline, 12, 25_000);
+    hair.vertices.iter_mut().for_each(|vertex| vertex[3] *= 0.1);
+    let mut random = Random::new(3);
+    let mut ray = |_| {
+        let (from, to) = (random.point(), random.point());
+        Ray::new(from, [0, 1, 2].map(|k| to[k] - from[k])).within(0.0, random.between(0.05, 1.0))
+    };
+    // With some that are irregular, and some that are not active.
+    let rays: RayBatch = (0..1500)
+        .map(&mut ray)
+        .enumerate()
+        .map(|(i, ray)| match i % 50 {
+            7 => Ray::new(ray.org, ray.dir.map(|x| 1e-30 * x)),
+            9 => ray.within(1.0, 0.0),
+            _ => ray,
+        })
+        .collect();
+    for form in [CurveForm::Flat, CurveForm::Round] {
+        let object = build(hair.curves(CurveBasis::BSpline, form).into(), 0);
+        // Smaller trees are in the cache, and rays go one by one.
+        assert!(
+            object.stats().tree_bytes + object.stats().primitive_bytes > 4_000_000,
+            "{:?}",
+            object.stats()
+        );
+        let hits = run_queries(&object, &rays);
+        let count = hits.iter().flatten().count();
+        assert!((300..1450).contains(&count), "{form:?}: {count} hit");
+        for (i, hit) in hits.iter().enumerate() {
+            assert_eq!(*hit, object.intersect(&rays.get(i)), "{form:?}, ray {i}: as by itself");
+        }
+    }
+}
