@@ -117,6 +117,7 @@ impl BlockKind for GridBlock {
         Arc::new(OwnedVertices::new(grids(kind).positions))
     }
 
+    /// A patch has several primitives, and is among all items.
     fn items(_: &GeometryKind, _: u32, _: &mut BadPrimitives, _: &mut dyn FnMut(Patch)) {}
 
     fn all_items(
@@ -241,9 +242,11 @@ impl BlockKind for GridBlock {
             return halves == 0;
         };
         let last = u64::from(self.numbers[lane]) + 2 * u64::from(self.columns[lane]) + 3;
+        if last >= u64::from(u32::MAX) {
+            return false;
+        }
         let own = self.numbers_in(lane);
         let are_numbers = own.iter().filter(|&&number| number != INVALID_ID).all(|&number| number < count);
-        let is_patch = last < u64::from(u32::MAX) && are_numbers;
-        is_patch && vertices.holds(self.vertices[lane], self.strides[lane], halves)
+        are_numbers && vertices.holds(self.vertices[lane], self.strides[lane], halves)
     }
 }
