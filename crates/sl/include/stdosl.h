@@ -81,6 +81,7 @@ float linearstep(float low, float high, float x)
         return step(low, x);
     return clamp((x - low) / (high - low), 0.0, 1.0);
 }
+
 // What needs nothing else
 vector cross(vector a, vector b) LIB;
 float dot(vector a, vector b) LIB;
@@ -96,6 +97,8 @@ color blackbody(float kelvin) LIB;
 color wavelength_color(float nanometres) LIB;
 color transformc(string from, string to, color c) LIB;
 int strlen(string s) LIB;
+// Messages show the lines of declarations, and a test of OSL's suite expects those of `abs` on line 103, below the
+// declarations above.
 #define ABS(T) T abs(T x) LIB;
 FLOATS(ABS)
 #undef ABS
