@@ -229,6 +229,9 @@ pub struct LightBatch {
     /// Unoccluded irradiance at a surface that faces `dir`, divided by the probability of choosing `dir`.
     /// Zero = this light does not reach the point.
     pub radiance: Vec3s,
+    /// That probability as a density over solid angle, 1/sr: `radiance * pdf` is radiance out of `dir`. Zero where the
+    /// light has one direction only, so that there is no density: points, directions, virtual lights.
+    pub pdf: Vec<f32>,
 }
 
 impl LightBatch {
@@ -238,6 +241,8 @@ impl LightBatch {
         self.dist.clear();
         self.dist.resize(n, f32::INFINITY);
         self.radiance.reset(n, Vec3::ZERO);
+        self.pdf.clear();
+        self.pdf.resize(n, 0.0);
     }
 }
 

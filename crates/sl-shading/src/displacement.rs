@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Displacement by shaders: `displacement` shaders, and surfaces with an output `vector displacement`.
+//! Displacement by shaders: `displacement` shaders, and surfaces with an output `vector displacement`; and `bump` of surfaces.
 //! Source: the OSL specification, sections 5.1 and 7.6. A displacement shader assigns to `P`, or calls `displace`; the offset is the
-//! change of `P`. `N` and `bump` change nothing, because normals are those of the displaced triangles. The output of a surface is the
-//! offset itself, and the rest of the surface is left out of that program.
+//! change of `P`. `N` and `bump` change nothing there, because normals are those of the displaced triangles. The output of a surface is
+//! the offset itself, and the rest of the surface is left out of that program. `bump` of surfaces gives `N` the normal that the surface
+//! would have if it were displaced so far.
 //! Space: object is the common space; `world`, `object` and `shader` are the same. Tests: `tests/scripts/displacement.rs`.
 
 use std::sync::Arc;
@@ -11,8 +12,9 @@ use glam::Vec3;
 use gnurt_shading::{AttributeRequest, DisplacementShader, SurfaceBatch, Vec3s};
 use gnurt_sl::exec::LANES;
 use gnurt_sl::hir::Data;
-use gnurt_sl::ir::{Block, Node, Op, Shader, SymId, Symbol, SymbolKind};
+use gnurt_sl::ir::{Block, Node, Op, Shader, SymId, Symbol, SymbolKind, ops};
 use gnurt_sl::opcode::Opcode;
+use gnurt_sl::passes::mark_derivatives;
 use gnurt_sl::types::Type;
 
 use crate::surface_state::{Caller, points};
@@ -66,30 +68,39 @@ impl DisplacementShader for ScriptDisplacement {
     }
 }
 
-/// Replaces calls of `displace` by what they do to `P`: `displace (amp)`, `displace (space, amp)`, `displace (offset)`.
-pub(crate) fn expand(shader: &mut Shader) {
+/// Replaces calls of `displace` by what they do to `P`, or calls of `bump` by what they do to `N`. Both take `(amp)`, `(space, amp)` and
+/// `(offset)`.
+pub(crate) fn expand(shader: &mut Shader, which: Opcode) {
     let mut code = std::mem::take(&mut shader.code);
-    expand_block(&mut code, shader);
+    expand_block(&mut code, shader, which);
     shader.code = code;
+    mark_derivatives(shader);
 }
 
-fn expand_block(block: &mut Block, shader: &mut Shader) {
+/// Whether there are such calls.
+pub(crate) fn calls(shader: &Shader, which: Opcode) -> bool {
+    let mut found = false;
+    ops(&shader.code, &mut |op| found |= op.code == which);
+    found
+}
+
+fn expand_block(block: &mut Block, shader: &mut Shader, which: Opcode) {
     let mut made = Vec::with_capacity(block.len());
     for mut node in std::mem::take(block) {
         match &mut node {
-            Node::Op(op) if op.code == Opcode::Displace => {
+            Node::Op(op) if op.code == which => {
                 displace(op, shader, &mut made);
                 continue;
             }
             Node::Op(_) => {}
             Node::If { yes, no, .. } => {
-                expand_block(yes, shader);
-                expand_block(no, shader);
+                expand_block(yes, shader, which);
+                expand_block(no, shader, which);
             }
             Node::Loop { init, test, body, step, .. } => {
-                [init, test, body, step].into_iter().for_each(|part| expand_block(part, shader));
+                [init, test, body, step].into_iter().for_each(|part| expand_block(part, shader, which));
             }
-            Node::Call { body, .. } => expand_block(body, shader),
+            Node::Call { body, .. } => expand_block(body, shader, which),
         }
         made.push(node);
     }
@@ -100,7 +111,8 @@ fn expand_block(block: &mut Block, shader: &mut Shader) {
 fn displace(op: &Op, shader: &mut Shader, out: &mut Block) {
     let mut add = |code: Opcode, args: Vec<SymId>| {
         let reads = ((1_u64 << args.len()) - 1) & !1;
-        out.push(Node::Op(Op { code, args, reads, writes: 1, derivs: 0, at: op.at }));
+        let derivs = if code == Opcode::CalculateNormal { reads } else { 0 };
+        out.push(Node::Op(Op { code, args, reads, writes: 1, derivs, at: op.at }));
     };
     let position = global(shader, POSITION, Type::POINT);
     let offset = match op.args[..] {
@@ -124,6 +136,14 @@ fn displace(op: &Op, shader: &mut Shader, out: &mut Block) {
         }
         _ => return,
     };
+    if op.code == Opcode::Bump {
+        let (normal, there) = (global(shader, "N", Type::NORMAL), local(shader, Type::POINT));
+        let slope = local(shader, Type::NORMAL);
+        add(Opcode::Add, vec![there, position, offset]);
+        add(Opcode::CalculateNormal, vec![slope, there]);
+        add(Opcode::Normalize, vec![normal, slope]);
+        return;
+    }
     add(Opcode::Add, vec![position, position, offset]);
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct ScriptLight {
 impl LightShader for ScriptLight {
     fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
         let world = World::empty(&self.common);
-        let [direction, color, distance] = ["L", "Cl", "lightdist"].map(|name| self.common.row(name));
+        let [direction, color, distance, density] = ["L", "Cl", "lightdist", "lightpdf"].map(|name| self.common.row(name));
         let (Some(direction), Some(color)) = (direction, color) else { return };
         let (mut points, mut results) = (Points::default(), Results::default());
         for first in (0..p.len()).step_by(LANES) {
@@ -49,6 +49,8 @@ impl LightShader for ScriptLight {
                 out.dir.set(i, dir);
                 out.dist[i] = if far >= 1e30 || far <= 0.0 { f32::INFINITY } else { far };
                 out.radiance.set(i, light);
+                let pdf = density.map_or(0.0, |row| results.rows[row][lane]);
+                out.pdf[i] = if pdf.is_finite() { pdf.max(0.0) } else { 0.0 };
             }
         }
     }

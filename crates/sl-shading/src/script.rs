@@ -420,6 +420,13 @@ impl Script {
     /// It is none, or too large.
     pub fn surface(&self) -> Result<Arc<dyn SurfaceShader>, String> {
         self.is(Kind::Surface)?;
+        if self.group.layers.iter().any(|layer| displacement::calls(&layer.shader, Opcode::Bump)) {
+            let mut script = self.clone();
+            for layer in &mut script.group.layers {
+                displacement::expand(Arc::make_mut(&mut layer.shader), Opcode::Bump);
+            }
+            return script.surface();
+        }
         let group = self.with_closure_output()?;
         let plan = self.plan(&group, &[])?;
         let fixed = Fixed::of(&plan, &colors()?, ColorMap::to(self.access.space));
@@ -466,7 +473,7 @@ impl Script {
                 .to_mut()
                 .layers
                 .iter_mut()
-                .for_each(|layer| displacement::expand(Arc::make_mut(&mut layer.shader)));
+                .for_each(|layer| displacement::expand(Arc::make_mut(&mut layer.shader), Opcode::Displace));
         }
         let options = PlanOptions {
             outputs: vec![value.to_owned()],
@@ -510,7 +517,7 @@ impl Script {
     /// It is none, or too large.
     pub fn light(&self) -> Result<Arc<dyn LightShader>, String> {
         self.is(Kind::Light)?;
-        let common = self.common(&self.group, &["L", "Cl", "lightdist"])?;
+        let common = self.common(&self.group, &["L", "Cl", "lightdist", "lightpdf"])?;
         Ok(Arc::new(ScriptLight { common }))
     }
 

@@ -36,9 +36,8 @@ impl TextureInfo {
     }
 }
 
-/// The property that some pictures share; `None` if one lacks it or has another value.
-pub(crate) fn common<T: AsRef<TextureInfo>>(all: &[T], what: &str, ty: Type) -> Option<Data> {
-    let mut answers = all.iter().map(|info| info.as_ref().answer(what, ty));
+/// The answer that some pictures share; `None` if one has none, or another.
+pub(crate) fn common(mut answers: impl Iterator<Item = Option<Data>>) -> Option<Data> {
     let first = answers.next()??;
     answers.all(|other| other.as_ref() == Some(&first)).then_some(first)
 }

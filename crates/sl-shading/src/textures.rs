@@ -129,7 +129,7 @@ impl Textures {
         if what == "exists" {
             return flag(infos.is_ok_and(|infos| !infos.is_empty()));
         }
-        common(&infos.ok()?, what, ty)
+        common(infos.ok()?.iter().map(|info| info.answer(what, ty)))
     }
 
     fn info_of(&self, name: &str) -> FoundInfo {

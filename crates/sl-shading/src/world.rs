@@ -637,6 +637,6 @@ fn arriving(
         dir: all.dir.get(lane).to_array(),
         light: light.to_array(),
         distance: all.dist[lane].min(1e30),
-        pdf: 0.0,
+        pdf: all.pdf[lane],
     })
 }

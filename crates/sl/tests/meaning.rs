@@ -5,6 +5,8 @@
 mod clouds;
 #[path = "meaning/more.rs"]
 mod more;
+#[path = "meaning/unwritten.rs"]
+mod unwritten;
 use crate::common::{body, diagnostics_of, messages, output, shader};
 use gnurt_sl::diagnostics::Style;
 use gnurt_sl::exec::Event;

@@ -98,5 +98,6 @@ fn the_rest(tracer: &mut BatchTracer, pass: &PassLights, points: &SurfaceBatch, 
         // The density is the cosine over pi.
         let arriving = found.radiance * (PI / found.cos);
         out.radiance.set(i, arriving * (FRAC_1_PI / tracer.options.white));
+        out.pdf[i] = found.cos * FRAC_1_PI;
     }
 }

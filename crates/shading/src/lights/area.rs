@@ -258,6 +258,23 @@ struct Chosen {
     random: [f32; 2],
 }
 
+/// Light of a point of a triangle, as [`LightBatch`] has it.
+struct Arriving {
+    dir: Vec3,
+    dist: f32,
+    radiance: Vec3,
+    pdf: f32,
+}
+
+impl Arriving {
+    fn write(&self, lane: usize, out: &mut LightBatch) {
+        out.dir.set(lane, self.dir);
+        out.dist[lane] = self.dist;
+        out.radiance.set(lane, self.radiance);
+        out.pdf[lane] = self.pdf;
+    }
+}
+
 impl TriangleLights {
     /// `None` if no triangle emits. Panics if a triangle names an emitter that is not there.
     #[must_use]
@@ -328,21 +345,19 @@ impl TriangleLights {
         for (i, &random) in random.iter().enumerate() {
             let chosen = self.choose(p.get(i), normal.get(i), random);
             let chosen = chosen.filter(|chosen| counts(chosen.index as u32));
-            if let Some((dir, dist, radiance)) = chosen.and_then(|chosen| self.sample_on(&chosen, p.get(i))) {
-                out.dir.set(i, dir);
-                out.dist[i] = dist;
-                out.radiance.set(i, radiance);
+            if let Some(found) = chosen.and_then(|chosen| self.sample_on(&chosen, p.get(i))) {
+                found.write(i, out);
             }
         }
     }
 
-    /// A direction from `p` to a point on a triangle, its distance and the arriving light over its probability.
-    fn sample(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<(Vec3, f32, Vec3)> {
+    /// Light of a point on a triangle.
+    fn sample(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<Arriving> {
         self.sample_on(&self.choose(p, normal, random)?, p)
     }
 
     /// The same for a chosen triangle.
-    fn sample_on(&self, chosen: &Chosen, p: Vec3) -> Option<(Vec3, f32, Vec3)> {
+    fn sample_on(&self, chosen: &Chosen, p: Vec3) -> Option<Arriving> {
         let shape = &self.shapes[chosen.index];
         let position = sampling::triangle(chosen.random);
         let offset = shape.nearest_image(p, position) - p;
@@ -354,7 +369,8 @@ impl TriangleLights {
             return None;
         }
         let radiance = self.radiance(chosen.index, position, dir, dist);
-        Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
+        let solid_angle = cos / distance2 * shape.area * chosen.weight;
+        Some(Arriving { dir, dist, radiance: radiance * solid_angle, pdf: solid_angle.recip() })
     }
 
     /// Exit radiance of triangle `index` if it is constant; `None` where it depends on the position.
@@ -412,10 +428,8 @@ impl TriangleLights {
 impl LightShader for TriangleLights {
     fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
         for (i, &random) in random.iter().enumerate() {
-            if let Some((dir, dist, radiance)) = self.sample(p.get(i), normal.get(i), random) {
-                out.dir.set(i, dir);
-                out.dist[i] = dist;
-                out.radiance.set(i, radiance);
+            if let Some(found) = self.sample(p.get(i), normal.get(i), random) {
+                found.write(i, out);
             }
         }
     }
@@ -463,7 +477,7 @@ mod tests {
         let sum = (0..N).fold(Vec3::ZERO, |sum, sample| {
             let random = sample_pair(0, SampleKey { pixel: 1, sample, branch: 0 }, 0, 0);
             let lit = light.sample(p, up, random);
-            sum + lit.map_or(Vec3::ZERO, |(dir, _, radiance)| radiance * dir.dot(up).max(0.0))
+            sum + lit.map_or(Vec3::ZERO, |Arriving { dir, radiance, .. }| radiance * dir.dot(up).max(0.0))
         });
         sum / N as f32
     }
@@ -476,6 +490,28 @@ mod tests {
         let found = irradiance(&square(), Vec3::ZERO, Vec3::Z);
         assert!((f64::from(found.x) / expected - 1.0).abs() < 1e-3, "{} instead of {expected}", found.x);
         assert!((found.z / found.x - 3.0).abs() < 1e-4, "in all colours");
+    }
+
+    /// The brightness of all three is that of the square, so light times density is its radiance, from everywhere; the mean of one
+    /// over the density is the solid angle that it covers.
+    #[test]
+    fn densities_are_those_of_the_light_s_directions() {
+        const N: u32 = 1 << 14;
+        let (light, p) = (square(), Vec3s::splat(1, Vec3::ZERO));
+        let mut sum = 0.0;
+        for sample in 0..N {
+            let random = sample_pair(0, SampleKey { pixel: 3, sample, branch: 0 }, 0, 0);
+            let mut out = LightBatch::default();
+            out.reset(1);
+            light.illuminate(&p, &Vec3s::splat(1, Vec3::Z), &[random], &mut out);
+            let seen = out.radiance.get(0) * out.pdf[0];
+            assert!((seen - Vec3::new(1.0, 2.0, 3.0)).length() < 1e-4, "{seen}");
+            sum += f64::from(out.pdf[0].recip());
+        }
+        // A pyramid over a square of side 2a at height h: 4 asin (a² / (a² + h²)).
+        let expected = 4.0 * 0.5_f64.asin();
+        let found = sum / f64::from(N);
+        assert!((found / expected - 1.0).abs() < 2e-3, "{found} instead of {expected}");
     }
 
     #[test]
@@ -535,7 +571,7 @@ mod tests {
         assert!(wasted / all > 0.4, "the scene is a hard one: {wasted} of {all}");
         let lit = |sample| {
             let random = sample_pair(5, SampleKey { pixel: 2, sample, branch: 0 }, 0, 0);
-            let (dir, _, radiance) = light.sample(Vec3::ZERO, Vec3::Z, random)?;
+            let Arriving { dir, radiance, .. } = light.sample(Vec3::ZERO, Vec3::Z, random)?;
             Some(radiance.x * dir.z)
         };
         let samples: Vec<f32> = (0..1024).filter_map(lit).collect();

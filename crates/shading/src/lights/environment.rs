@@ -5,7 +5,7 @@
 //! Space: the picture's middle lies along -z and its upper edge at +y of the light's space.
 //! Tests: `tests::{constant_is_exact, picture_matches_quadrature, directions_and_texels_agree}`.
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
@@ -41,6 +41,7 @@ impl LightShader for ConstantEnvironment {
                 out.dir.set(i, Basis::around(normal.get(i)).to_world(local).normalize());
                 out.dist[i] = f32::INFINITY;
                 out.radiance.set(i, self.radiance * (PI / local.z));
+                out.pdf[i] = local.z * FRAC_1_PI;
             }
         }
     }
@@ -173,6 +174,7 @@ impl LightShader for PictureEnvironment {
             out.dir.set(i, dir);
             out.dist[i] = f32::INFINITY;
             out.radiance.set(i, self.at(dir) / pdf_sa);
+            out.pdf[i] = pdf_sa;
         }
     }
 

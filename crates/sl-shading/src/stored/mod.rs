@@ -13,7 +13,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use gnurt_image::udim::{COLUMNS, ROWS, is_tiled, tile_name};
+use gnurt_image::udim::{COLUMNS, ROWS, is_tiled, tile_name, tiles};
 use gnurt_image::{Stored, read_stored};
 use gnurt_sl::exec::TextureOptions;
 use gnurt_sl::hir::Data;
@@ -21,7 +21,7 @@ use gnurt_sl::tools::Textures;
 use gnurt_sl::types::Type;
 use gnurt_sl_lib::Dual;
 
-use crate::texture_info::answer;
+use crate::texture_info::{answer, common};
 use crate::volumes::{Volumes, at_place};
 use crate::wrap::Wrap;
 use sample::Read;
@@ -36,6 +36,8 @@ type Found = Result<Arc<Stored>, Arc<str>>;
 pub struct StoredTextures {
     known: Mutex<HashMap<String, Found>>,
     volumes: Volumes,
+    /// The files of names of tiles, in the order of their numbers.
+    tiles: Mutex<HashMap<String, Arc<[String]>>>,
     /// Files about which was complained.
     reported: Mutex<HashSet<String>>,
 }
@@ -57,6 +59,21 @@ impl StoredTextures {
         }
         let found = read(name);
         known.insert(name.to_owned(), found.clone());
+        found
+    }
+
+    /// The files that a name of tiles has; they are searched once.
+    fn tiles_of(&self, name: &str) -> Arc<[String]> {
+        if let Some(found) = self.tiles.lock().ok().and_then(|known| known.get(name).cloned()) {
+            return found;
+        }
+        let found: Arc<[String]> =
+            tiles().map(|tile| tile_name(name, tile)).filter(|name| Path::new(name).is_file()).collect();
+        if let Ok(mut known) = self.tiles.lock()
+            && known.len() < MOST
+        {
+            known.insert(name.to_owned(), found.clone());
+        }
         found
     }
 
@@ -92,6 +109,19 @@ fn path_of(name: &str) -> Result<&Path, String> {
 fn read(name: &str) -> Found {
     let file = read_stored(path_of(name)?).map_err(|error| error.to_string())?;
     Ok(Arc::new(copies::with_copies(file)))
+}
+
+/// A property of a file. The mean of a file that fills a part of its window is 0 unless the file notes it: OpenImageIO reads it
+/// beside the single texel of the smallest copy.
+fn property(file: &Stored, what: &str, ty: Type) -> Option<Data> {
+    let found = answer(file, what, ty)?;
+    let is_beside = what == "averagecolor"
+        && file.window != file.display
+        && file.text("oiio:AverageColor").is_none();
+    Some(match found {
+        Data::Float(list) if is_beside => Data::Float(vec![0.0; list.len()]),
+        found => found,
+    })
 }
 
 /// A single channel becomes red, and missing channels are filled.
@@ -148,18 +178,22 @@ impl Textures for StoredTextures {
 
     fn info(&self, name: &str, at: Option<[f32; 2]>, what: &str, ty: Type) -> Result<Option<Data>, String> {
         let tiled = is_tiled(name);
-        let named = match at {
-            Some(at) => tile(name, at).map_or_else(|| name.to_owned(), |(name, _)| name),
-            // Without coordinates, the properties common to all tiles, which are assumed to be those of the
-            // first.
-            None => tile(name, [0.0; 2]).map_or_else(|| name.to_owned(), |(name, _)| name),
-        };
+        let flag = |is: bool| Ok((ty == Type::INT).then(|| Data::Int(vec![i32::from(is)])));
         if what == "udim" {
-            return Ok((ty == Type::INT).then(|| Data::Int(vec![i32::from(tiled)])));
+            return flag(tiled);
         }
+        if tiled && at.is_none() {
+            let files: Result<Vec<_>, _> = self.tiles_of(name).iter().map(|name| self.find(name)).collect();
+            return match (what, files) {
+                ("exists", files) => flag(files.is_ok_and(|files| !files.is_empty())),
+                (_, Ok(files)) => Ok(common(files.iter().map(|file| property(file, what, ty)))),
+                _ => Ok(None),
+            };
+        }
+        let named = at.and_then(|at| tile(name, at)).map_or_else(|| name.to_owned(), |(name, _)| name);
         let found = self.find(&named);
         if what == "exists" {
-            return Ok((ty == Type::INT).then(|| Data::Int(vec![i32::from(found.is_ok())])));
+            return flag(found.is_ok());
         }
         let file = match found {
             Ok(file) => file,
@@ -171,6 +205,6 @@ impl Textures for StoredTextures {
                 ));
             }
         };
-        Ok(answer(&file, what, ty))
+        Ok(property(&file, what, ty))
     }
 }

@@ -48,6 +48,7 @@ impl Tracer for Probe {
         out.reset(hits.len());
         out.dir.reset(hits.len(), Vec3::Y);
         out.radiance.reset(hits.len(), Vec3::splat(self.0));
+        out.pdf.fill(0.25);
     }
 
     fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {

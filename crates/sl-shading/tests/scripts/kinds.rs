@@ -233,7 +233,7 @@ fn shaders_that_ask_rays_and_lights_are_told() {
     };
     let own =
         shade("color c = 0; illuminance (P) c += Cl * dot (N, L) * lightpdf + Cl; Ci = c * radiance ();");
-    assert_eq!(own, Vec3::splat(2.0), "half of the light is in shadow");
+    assert_eq!(own, Vec3::splat(2.5), "half of the light is in shadow, and its density is a quarter");
     let both = shade(
         "color c = 0; illuminance (P) c += Cl; illuminance (P, \"shadow\", 0) c += Cl; Ci = c * radiance ();",
     );

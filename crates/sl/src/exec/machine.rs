@@ -6,6 +6,7 @@ use super::components::Closures;
 use super::host::{Host, Point};
 use super::slot::{RetainedOutput, Slot};
 use super::strings::Strings;
+use super::unwritten::Unwritten;
 use crate::ir::{Shader, SourcePosition, SymId};
 use crate::opcode::Opcode;
 use crate::types::Type;
@@ -255,6 +256,8 @@ pub struct Machine<'a> {
     pub(super) dictionaries: Dictionaries,
     /// Whether results that are not finite are reported.
     pub(super) checks: bool,
+    /// What has been written, if reads of the rest are reported.
+    pub(super) unwritten: Option<Box<Unwritten>>,
 }
 
 /// The memory of a machine, between two uses.
@@ -313,12 +316,18 @@ impl<'a> Machine<'a> {
             regexes,
             dictionaries,
             checks: false,
+            unwritten: None,
         }
     }
 
     /// From now on, reports results that are NaN or infinite.
     pub fn check_numbers(&mut self) {
         self.checks = true;
+    }
+
+    /// From now on, reports operations that read local variables which were never written.
+    pub fn check_reads_of_unwritten(&mut self) {
+        self.unwritten = Some(Box::new(Unwritten::new(self.plan)));
     }
 
     /// Its memory, for another one.

@@ -37,6 +37,7 @@ mod strings;
 mod table;
 mod texts;
 mod texture;
+mod unwritten;
 mod values;
 
 pub use batch::{Points, Program, Results};

@@ -65,6 +65,9 @@ impl Machine<'_> {
         self.memory.clone_from(&self.plan.memory);
         self.strings.truncate(self.plan.strings.count());
         self.messages.clear();
+        if let Some(unwritten) = &mut self.unwritten {
+            unwritten.clear();
+        }
         self.reports = 0;
         self.nested = 0;
         self.done.fill(false);
@@ -185,6 +188,9 @@ impl Machine<'_> {
                 }
                 Instruction::If { condition, pulls, yes, no } => {
                     self.pull(pulls);
+                    if self.unwritten.is_some() {
+                        self.check_condition(instruction, condition);
+                    }
                     let flow = self.block(if self.cell_bits(condition, 0) != 0 { yes } else { no });
                     if flow != Flow::Next {
                         return flow;
@@ -251,6 +257,10 @@ impl Machine<'_> {
         let each = if step.code.is_noise() { NOISE } else { 1 };
         self.work = self.work.saturating_sub(each + u64::from(size / NUMBERS));
         self.pull(&step.pulls);
+        if self.unwritten.is_some() {
+            self.check_reads(step);
+            self.note_writes(step);
+        }
         self.perform(self.layer, step);
         if self.checks {
             self.check_results(step);

@@ -14,6 +14,7 @@ testshade [options] shader...
                                  points at once), avx2, avx512, or avx2-scalar, avx512-scalar (one point at once);
                                  without the option the variable TESTSHADE_ENGINE says so
     --debugnan                   Tell results that are not a number or infinite
+    --debuguninit                Tell reads of variables that were never written
     --runstats                   Print what runs and how long it takes
     --res XRES YRES, -g          Set resolution
     --options LIST               Set extra OSL options
@@ -88,6 +89,7 @@ pub(super) struct Options {
     pub(super) engine: String,
     pub(super) times: bool,
     pub(super) debug_nan: bool,
+    pub(super) debug_uninit: bool,
 }
 
 impl Default for Options {
@@ -119,12 +121,13 @@ impl Default for Options {
             engine: std::env::var("TESTSHADE_ENGINE").unwrap_or_default(),
             times: false,
             debug_nan: false,
+            debug_uninit: false,
         }
     }
 }
 
 /// Options without effect here, and how many values each takes.
-const IGNORED: [(&str, usize); 24] = [
+const IGNORED: [(&str, usize); 23] = [
     ("t", 1),
     ("optix", 0),
     ("llvm_debug", 0),
@@ -139,7 +142,6 @@ const IGNORED: [(&str, usize); 24] = [
     ("O2", 0),
     ("llvm_opt", 1),
     ("raytype_opt", 0),
-    ("debuguninit", 0),
     ("groupoutputs", 0),
     ("print-groupdata", 0),
     ("print-group-stats", 0),
@@ -229,6 +231,7 @@ pub(super) fn read(args: &[String]) -> Result<Options, Option<String>> {
             "engine" => o.engine = known(arg, value()?, &ENGINES)?,
             "runstats" => o.times = true,
             "debugnan" => o.debug_nan = true,
+            "debuguninit" => o.debug_uninit = true,
             "print" => o.print = true,
             "groupname" => o.groupname = value()?,
             "raytype" => o.raytype = value()?,

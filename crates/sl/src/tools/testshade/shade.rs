@@ -70,6 +70,8 @@ fn plan(group: &Group, options: &Options, entries: &[usize], console: &mut Conso
         userdata_isconnected: options.userdata_isconnected,
         debug_layers: flag(&options.extra, "llvm_debug_layers", false),
         entries: entries.to_vec(),
+        // Messages have the numbers of operations as they were compiled.
+        optimise: !options.debug_uninit,
         ..PlanOptions::default()
     };
     match Plan::new(group, &plan_options) {
@@ -197,8 +199,9 @@ impl Run<'_> {
         let name = self.options.engine.as_str();
         let mut messages = Vec::new();
         let start = Instant::now();
-        // Only the interpreter checks each result.
-        if !matches!(name, "" | "interpreter") && !self.options.debug_nan {
+        // Only the interpreter checks each operand and result.
+        let checks = self.options.debug_nan || self.options.debug_uninit;
+        if !matches!(name, "" | "interpreter") && !checks {
             let Some(engine) = console.engine else {
                 return Err(format!("this program has no engine '{name}'; it has: interpreter"));
             };
@@ -229,6 +232,9 @@ impl Run<'_> {
         let mut machine = Machine::new(plan, self.world);
         if self.options.debug_nan {
             machine.check_numbers();
+        }
+        if self.options.debug_uninit {
+            machine.check_reads_of_unwritten();
         }
         self.points(&mut machine, console);
         self.times("interpreter", "", start.elapsed(), console);
