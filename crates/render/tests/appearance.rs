@@ -229,6 +229,72 @@ fn attributes_change_per_triangle_and_per_vertex() {
     }
 }
 
+/// Shows three components of its first attribute, from one on.
+struct ShowFrom(Vec<AttributeRequest>, usize);
+
+impl RadianceShader for ShowFrom {
+    fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let row = |k: usize, i: usize| hits.attributes[0][(self.1 + k) * hits.len() + i];
+        (0..hits.len()).for_each(|i| out.set(i, Vec3::from([0, 1, 2].map(|k| 100.0 + row(k, i)))));
+    }
+}
+
+impl SurfaceShader for ShowFrom {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
+    }
+
+    fn attributes(&self) -> &[AttributeRequest] {
+        &self.0
+    }
+}
+
+#[test]
+fn gradients_of_attributes_are_those_in_the_world() {
+    let mut scene = floor(0.5, 1.0);
+    scene.edit_material(MaterialId(0)).surface = Surface::Shader(0);
+    // 3 x + 5 y of the corners of a square of side 2.
+    let heat = vec![7.0, -8.0, 7.0, -2.0, 7.0, 8.0, 7.0, 2.0];
+    scene.edit_mesh(MeshId(0)).attributes = vec![
+        Attribute { name: "heat".into(), rate: Rate::Vertex, components: 2, data: heat },
+        Attribute { name: "cell".into(), rate: Rate::Triangle, components: 1, data: vec![10.0, 20.0] },
+    ];
+    let colors = [-1.0, 1.0, 1.0, -1.0].map(|x| [0.0, 0.5 + 0.25 * x, 1.0, 1.0]);
+    scene.edit_mesh(MeshId(0)).colors = colors.to_vec();
+    let (sin, cos) = 0.4_f64.sin_cos();
+    let turned = |x: f64, y: f64| [cos * x - sin * y, sin * x + cos * y, 0.0];
+    scene.edit_instance(InstanceId(0)).world_from_object =
+        Affine::scale([2.0, 0.5, 7.0]) * Affine::rotation([0.0, 0.0, 1.0], 0.4);
+    // By the inverse of the transposed matrix: turned, then divided by the scale.
+    let in_world = |x: f64, y: f64| {
+        let [x, y, z] = turned(x, y);
+        [x / 2.0, y / 0.5, z]
+    };
+    for (name, components, from, expected) in [
+        ("heat", 6, 3, in_world(3.0, 5.0)),
+        ("heat", 6, 0, [0.0; 3]),
+        ("cell", 3, 0, [0.0; 3]),
+        ("Cd", 9, 3, in_world(0.25, 0.0)),
+        ("none", 3, 0, [0.0; 3]),
+    ] {
+        let name = format!("{}{name}", AttributeRequest::GRADIENT);
+        let request = AttributeRequest { name, components, default: vec![0.0; components as usize] };
+        let shown = format!("{} from {from}", request.name);
+        let shader = Arc::new(ShowFrom(vec![request], from));
+        let table = ShaderTable { surfaces: vec![shader], ..ShaderTable::default() };
+        let mut world = World::new();
+        world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+        for (x, y) in [(0.5, -0.1), (-0.3, 0.2)] {
+            let camera = camera([x, y, 3.0], [x, y, 0.0], 0.01);
+            let frame = render(&world, &camera, &options(1, 1, 1), &pool(1), &Silent).expect("sound options");
+            let found = frame.picture.color[0];
+            for k in 0..3 {
+                assert_close(f64::from(found[k]) - 100.0, expected[k], 1e-4, &shown);
+            }
+        }
+    }
+}
+
 /// Shows the kind of the ray, which no other shader of the test reads.
 struct ByKind;
 

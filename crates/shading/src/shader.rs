@@ -45,6 +45,12 @@ impl AttributeRequest {
     /// shutter.
     pub const VELOCITY: &'static str = "gnurt:velocity";
 
+    /// What the name of a gradient begins with, before the name of an attribute: how each of its components changes with the
+    /// place on the surface, three floats for each, in world space and per world unit. They lie in the plane of the
+    /// triangle; 0 where the mesh lacks the attribute, or has it by triangles. `Cd` is the colour of vertices if no attribute
+    /// has that name.
+    pub const GRADIENT: &'static str = "gnurt:gradient:";
+
     /// The name of the numbers of instance, object, material and primitive: four floats with the bits of these
     /// integers. A request for them also fills `SurfaceBatch::names`, and lets rays be restricted to sets.
     pub const IDS: &'static str = "gnurt:ids";

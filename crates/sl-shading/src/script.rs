@@ -17,7 +17,7 @@ use gnurt_shading::{
 };
 use gnurt_simd::Level;
 use gnurt_sl::diagnostics::{Diagnostic, Severity, Style};
-use gnurt_sl::exec::{Plan, PlanOptions, Program, unknown_operation};
+use gnurt_sl::exec::{Plan, PlanOptions, Program, Source, unknown_operation};
 use gnurt_sl::group::{Group, Hint, read_group};
 use gnurt_sl::hir::Data;
 use gnurt_sl::ir::{Op, Shader, SymbolKind, ops, read as read_oso};
@@ -633,10 +633,14 @@ impl Script {
 
     fn common_of(&self, group: &Group, plan: &Plan, program: Arc<dyn Program>) -> Result<Common, String> {
         let colors = colors()?;
-        let requests = self.requests(group);
+        let mut requests = self.requests(group);
+        let (changing, has_changes) = read_changes(plan);
+        let gradients = gradients(&requests, &changing);
+        requests.extend(gradients);
         let frame = |name: &str| requests.iter().position(|request| request.name == name);
         let [area, time] = [AttributeRequest::SURFACE_AREA, AttributeRequest::TIME].map(frame);
         let [shutter, velocity] = [AttributeRequest::SHUTTER, AttributeRequest::VELOCITY].map(frame);
+        let needs = Needs::of(plan);
         let properties = Properties { reads_bounces: reads_bounces(group), ..Properties::of(plan, &colors) };
         let space = if properties.is_radiance { WorkingSpace::Rec709 } else { self.access.space };
         Ok(Common {
@@ -649,7 +653,14 @@ impl Script {
             colors,
             map: ColorMap::to(space),
             live: self.live.clone(),
-            needs: Needs { area, time, shutter, velocity, ..Needs::of(plan) },
+            needs: Needs {
+                area,
+                time,
+                shutter,
+                velocity,
+                derivatives: needs.derivatives || has_changes,
+                ..needs
+            },
             scratch: Mutex::default(),
         })
     }
@@ -770,6 +781,52 @@ impl Script {
         }
         found
     }
+}
+
+/// Names of the values from outside whose changes from pixel to pixel a group reads, and whether there are any, computed names
+/// included.
+fn read_changes(plan: &Plan) -> (Vec<String>, bool) {
+    let (mut names, mut any) = (Vec::new(), false);
+    for layer in &plan.layers {
+        let shader = &layer.shader;
+        for param in layer.params.iter().filter(|param| param.source == Source::Geometry) {
+            let symbol = shader.symbol(param.symbol);
+            if symbol.derivs {
+                any = true;
+                names.push(symbol.name.to_string());
+            }
+        }
+        each_op(shader, &mut |op| {
+            let is_read = op.args.last().is_some_and(|&id| shader.symbol(id).derivs);
+            if op.code != Opcode::GetAttribute || !is_read {
+                return;
+            }
+            any = true;
+            let texts = op.args.iter().filter_map(|&id| match &shader.symbol(id).value {
+                Some(Data::Str(list)) => list.first(),
+                _ => None,
+            });
+            names.extend(texts.last().map(ToString::to_string));
+        });
+    }
+    (names, any)
+}
+
+/// Requests for the gradients of requested values.
+fn gradients(requests: &[AttributeRequest], names: &[String]) -> Vec<AttributeRequest> {
+    let mut found: Vec<AttributeRequest> = Vec::new();
+    let components = |name: &str| requests.iter().find(|r| r.name == name).map(|r| 3 * r.components);
+    for name in names {
+        // Colours of vertices have two names.
+        let of_vertices = (name == "color").then_some(("Cd", Some(9)));
+        for (name, components) in [Some((&name[..], components(name))), of_vertices].into_iter().flatten() {
+            let name = format!("{}{name}", AttributeRequest::GRADIENT);
+            if let Some(components) = components.filter(|_| found.iter().all(|known| known.name != name)) {
+                found.push(AttributeRequest { name, components, default: vec![0.0; components as usize] });
+            }
+        }
+    }
+    found
 }
 
 /// Whether a group queries how often the path of a ray was scattered.

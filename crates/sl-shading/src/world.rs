@@ -198,12 +198,38 @@ impl<'a> World<'a> {
         Some(all.collect()).filter(|all: &Vec<f32>| !all.is_empty())
     }
 
+    /// Changes of components of a value of the mesh, from pixel to pixel: from `first` on, of `count`. Empty where they are not known.
+    fn slopes(&self, name: &str, (first, count): (usize, usize), point: &Point) -> Option<[Vec<f32>; 2]> {
+        let (hits, lane) = self.lane(point)?;
+        let is_gradient =
+            |request: &AttributeRequest| request.name.strip_prefix(AttributeRequest::GRADIENT) == Some(name);
+        let values = hits.attributes.get(self.common.requests.iter().position(is_gradient)?)?;
+        let row = |k: usize| values.get(k * hits.len() + lane).copied().unwrap_or(0.0);
+        let along = |step: [f32; 3]| {
+            let component = |i: usize| (0..3).map(|c| row(3 * i + c) * step[c]).sum();
+            (first..first + count).map(component).collect()
+        };
+        Some([along(point.p.dx), along(point.p.dy)])
+    }
+
+    /// With changes of components from `first` on, if they are known.
+    fn with_slopes(&self, given: Option<Given>, name: &str, first: usize, point: &Point) -> Option<Given> {
+        let mut given = given?;
+        if let Data::Float(list) = &given.value
+            && let Some(slopes) = self.slopes(name, (first, list.len()), point)
+        {
+            given.derivs = slopes;
+        }
+        Some(given)
+    }
+
     /// A value of the mesh, or one of its elements.
     fn element(&self, name: &str, index: Option<i32>, ty: Type, point: &Point) -> Option<Given> {
         let Some(index) = index else { return self.userdata(name, ty, point) };
         let all = self.asked(name, point)?;
         let element = usize::try_from(index).ok().and_then(|index| all.get(index).copied())?;
-        fitting(vec![element], ty).filter(|_| ty.size() == 1)
+        let given = fitting(vec![element], ty).filter(|_| ty.size() == 1);
+        self.with_slopes(given, name, usize::try_from(index).unwrap_or(0), point)
     }
 
     /// The numbers of a point's instance, object, material and primitive.
@@ -301,6 +327,11 @@ fn some(list: Vec<f32>) -> Option<Given> {
     Some(Given::from(Data::Float(list)))
 }
 
+fn changing(list: Vec<Dual<f32>>) -> Option<Given> {
+    let part = |of: fn(&Dual<f32>) -> f32| list.iter().map(of).collect();
+    Some(Given { value: Data::Float(part(|x| x.value)), derivs: [part(|x| x.dx), part(|x| x.dy)] })
+}
+
 /// Numbers as the type has them; none if there are too few.
 fn fitting(mut list: Vec<f32>, ty: Type) -> Option<Given> {
     if list.len() < ty.size() {
@@ -354,19 +385,23 @@ impl Host for World<'_> {
             return some(vec![self.aspect]);
         }
         if let Some(found) = self.asked(name, point) {
-            return fitting(found, ty);
+            return self.with_slopes(fitting(found, ty), name, 0, point);
         }
         let (hits, lane) = self.lane(point)?;
-        let [u, v] = [hits.texcoord[0][lane], hits.texcoord[1][lane]];
+        // Coordinates change as `u` and `v` do.
+        let [u, v] = [point.u, point.v];
         match (name, ty.base) {
             ("uv" | "st", _) if ty.size() >= 2 => {
                 let mut list = vec![u, v];
-                list.resize(ty.size(), 0.0);
-                some(list)
+                list.resize(ty.size(), 0.0.into());
+                changing(list)
             }
-            ("s", Base::Float) => some(vec![u]),
-            ("t", Base::Float) => some(vec![v]),
-            ("Cd" | "color", base) if base.is_triple() => some(hits.color.get(lane).to_array().to_vec()),
+            ("s", Base::Float) => changing(vec![u]),
+            ("t", Base::Float) => changing(vec![v]),
+            ("Cd" | "color", base) if base.is_triple() => {
+                let color = some(hits.color.get(lane).to_array().to_vec());
+                self.with_slopes(color, "Cd", 0, point)
+            }
             ("alpha", Base::Float) => some(vec![hits.alpha[lane]]),
             _ => None,
         }

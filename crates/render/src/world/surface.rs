@@ -439,6 +439,28 @@ impl<'w> SurfacePoints<'w> {
             }
             return values;
         }
+        if let Some(name) = request.name.strip_prefix(AttributeRequest::GRADIENT) {
+            for i in 0..lanes {
+                let (instance, leaf) = self.instance(points.leaf_id[i]);
+                let mesh = &*instance.leaf(leaf).0.meshes[points.geom_id[i] as usize];
+                let time = self.shutter.map_or(0.0, |shutter| shutter.time(points.key[i]));
+                let linear = instance.leaf_at(leaf, time).linear;
+                let found = mesh.attributes.iter().find(|a| a.name == name);
+                for k in 0..components / 3 {
+                    let of_vertex = |vertex: usize| match found {
+                        Some(a) if a.rate == Rate::Vertex && k < a.components as usize => {
+                            a.data.get(vertex * a.components as usize + k).copied()
+                        }
+                        None if name == "Cd" && k < 3 => mesh.colors.get(vertex).map(|color| color[k]),
+                        _ => None,
+                    };
+                    let slope = gradient(mesh, points.prim_id[i] as usize, of_vertex, |edge| (linear * edge).into());
+                    let slope = slope.unwrap_or(Vec3::ZERO).to_array();
+                    (0..3).for_each(|c| values[(3 * k + c) * lanes + i] = slope[c]);
+                }
+            }
+            return values;
+        }
         let object_of = |leaf_id: u32| {
             let (instance, leaf) = self.instance(leaf_id);
             instance.leaf(leaf).0
@@ -672,6 +694,30 @@ fn attribute_at(a: &Attribute, mesh: &Mesh, prim_id: usize, weights: [f32; 3], k
             (0..3).try_fold(0.0, |sum, c| Some(sum + weights[c] * value(corners[c])?))
         }
     }
+}
+
+/// How a value of vertices changes over a primitive: along a triangle's plane, or a segment; `None` where it does not.
+fn gradient(
+    mesh: &Mesh,
+    prim_id: usize,
+    value: impl Fn(usize) -> Option<f32>,
+    to_world: impl Fn(Vec3) -> Vec3,
+) -> Option<Vec3> {
+    let [a, b, c] = mesh.corners(prim_id)?;
+    let change = |from: usize, to: usize| Some(value(to)? - value(from)?);
+    let edge = |from: usize, to: usize| {
+        let [from, to] = [from, to].map(|i| mesh.positions.get(i).map(|&p| Vec3::from(p)));
+        Some(to_world(to? - from?))
+    };
+    let (along, across) = (edge(a, b)?, edge(a, c)?);
+    let (first, second) = (change(a, b)?, change(a, c)?);
+    let (uu, uv, vv) = (along.dot(along), along.dot(across), across.dot(across));
+    let area = uu * vv - uv * uv;
+    let slope = match area > 0.0 {
+        true => (along * (first * vv - second * uv) + across * (second * uu - first * uv)) / area,
+        false => along * (first / uu),
+    };
+    slope.is_finite().then_some(slope)
 }
 
 /// Red, green, blue and opacity; white where the mesh has none.

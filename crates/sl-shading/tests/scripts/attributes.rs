@@ -47,6 +47,57 @@ fn found(statements: &str, hits: &SurfaceBatch) -> Vec3 {
 const NOTHING: Vec3 = Vec3::NEG_ONE;
 
 #[test]
+fn values_of_the_mesh_change_from_pixel_to_pixel() {
+    let mut hits = floor(3);
+    hits.ray_dir = gnurt_shading::Vec3s::splat(3, -Vec3::Y);
+    hits.footprint = vec![0.25; 3];
+    // Component k of every value is 5 + k, and its gradient (k, 0, -2).
+    let show = |declared: &str, statements: &str, hits: &mut SurfaceBatch| {
+        let text = format!(
+            "surface s ({declared}) {{ vector x = Dx (P), y = Dy (P); color c = 0; {statements} Ci = (c + 2) * emission (); }}"
+        );
+        let shader = script(&text).surface().expect("a surface");
+        let value = |request: &AttributeRequest| -> Vec<f32> {
+            let is_gradient = request.name.starts_with(AttributeRequest::GRADIENT);
+            let of = |k: usize| match (is_gradient, k % 3) {
+                (false, _) => 5.0 + k as f32,
+                (true, 0) => (k / 3) as f32,
+                (true, 1) => 0.0,
+                (true, _) => -2.0,
+            };
+            (0..request.components as usize).flat_map(|k| [of(k); 3]).collect()
+        };
+        hits.attributes = shader.attributes().iter().map(value).collect();
+        emitted(&*shader, hits) - Vec3::splat(2.0)
+    };
+    let slopes = "c = color (Dx (heat), Dy (heat), heat);";
+    let expected = |k: usize| {
+        format!("c = color (dot (x, vector ({k}, 0, -2)), dot (y, vector ({k}, 0, -2)), {});", 5 + k)
+    };
+    let other = "float f = 7 + 0.5 * x[0]; c = color (Dx (f), Dy (f), 1);";
+    assert_eq!(show("", other, &mut hits), Vec3::Z, "what has no slope has none");
+    for (declared, statements, k) in [
+        ("float heat = 0 [[ int lockgeom = 0 ]]", slopes.to_owned(), 0),
+        ("", format!("float heat; getattribute (\"heat\", heat); {slopes}"), 0),
+        ("", format!("float heat; getattribute (\"list\", 2, heat); {slopes}"), 2),
+        ("", format!("vector way; getattribute (\"way\", way); float heat = way[1]; {slopes}"), 1),
+        ("color Cd = 0 [[ int lockgeom = 0 ]]", format!("float heat = Cd[2]; {slopes}"), 2),
+    ] {
+        let [found, wanted] = [show(declared, &statements, &mut hits), show("", &expected(k), &mut hits)];
+        assert!((found - wanted).abs().max_element() < 1e-6, "{declared} {statements}: {found}, not {wanted}");
+        assert!(wanted.x != 0.0 || wanted.y != 0.0, "a slope: {wanted}");
+    }
+    // Coordinates change as u and v do.
+    let uv = "float st[2] = {0, 0}; getattribute (\"st\", st); c = color (Dx (st[0]), Dy (st[1]), 0);";
+    let shader = surface(&format!("color c = 0; {uv} Ci = (c + 2) * emission ();"));
+    hits.attributes = shader.attributes().iter().map(|r| vec![f32::NAN; 3 * r.components as usize]).collect();
+    let found = emitted(&*shader, &hits);
+    let own = surface("Ci = (2 + color (Dx (u), Dy (v), 0)) * emission ();");
+    assert_eq!(found, emitted(&*own, &hits));
+    assert_ne!(found, Vec3::splat(2.0));
+}
+
+#[test]
 fn the_camera_has_its_standard_attributes() {
     let mut hits = floor(3);
     hits.camera = Some(camera());

@@ -328,7 +328,7 @@ fn rays_have_sets_and_lights_have_categories() {
 fn lights_shine() {
     let mut script = script(
         "light l (color power = 1, point from = point (0, 2, 0)) {
-        vector way = from - Ps; lightdist = length (way); L = way; Cl = power * xi[0]; }",
+        vector way = from - Ps; lightdist = length (way); L = way; Cl = power * xi[0]; lightpdf = xi[1] - 0.25; }",
     );
     assert_eq!(script.kind(), Kind::Light);
     script.set("power", &ParameterValue::Floats(vec![1.0, 2.0, 3.0])).expect("a colour");
@@ -336,7 +336,9 @@ fn lights_shine() {
     let mut out = LightBatch::default();
     out.reset(20);
     let p = Vec3s::splat(20, Vec3::ZERO);
-    light.illuminate(&p, &Vec3s::splat(20, Vec3::Y), &[[0.5, 0.0]; 20], &mut out);
+    let random: Vec<[f32; 2]> = (0..20).map(|i| [0.5, i as f32]).collect();
+    light.illuminate(&p, &Vec3s::splat(20, Vec3::Y), &random, &mut out);
+    assert_eq!([out.pdf[0], out.pdf[3]], [0.0, 2.75], "densities are not negative");
     for i in 0..20 {
         assert_eq!((out.dir.get(i), out.dist[i]), (Vec3::Y, 2.0), "where it is");
         assert_eq!(out.radiance.get(i), Vec3::new(0.5, 1.0, 1.5), "what it sends");
