@@ -7,7 +7,7 @@ use gnurt_render::{
     CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render, trace_pixel,
 };
 use gnurt_scene::animation::Exposure;
-use gnurt_scene::{Affine, InstanceId, MaterialId, Scene, Surface};
+use gnurt_scene::{Affine, Attribute, InstanceId, MaterialId, MeshId, Rate, Scene, Surface};
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{
     AttributeRequest, CameraProjection, CameraProperties, SceneNames, SurfaceBatch, SurfaceShader,
@@ -43,13 +43,22 @@ impl SurfaceShader for Curious {
 
 /// The input of a curious floor during a picture.
 fn seen(scene: &Scene, exposure: &Exposure, request: bool, integrator: Integrator) -> Seen {
-    let seen: Arc<Mutex<Seen>> = Arc::default();
     let request = request.then(|| AttributeRequest {
         name: AttributeRequest::IDS.to_owned(),
         components: 4,
         default: vec![f32::NAN; 4],
     });
-    let shader = Curious { requests: request.into_iter().collect(), seen: seen.clone() };
+    seen_by(scene, exposure, request.into_iter().collect(), integrator)
+}
+
+fn seen_by(
+    scene: &Scene,
+    exposure: &Exposure,
+    requests: Vec<AttributeRequest>,
+    integrator: Integrator,
+) -> Seen {
+    let seen: Arc<Mutex<Seen>> = Arc::default();
+    let shader = Curious { requests, seen: seen.clone() };
     let table = ShaderTable { surfaces: vec![Arc::new(shader)], ..ShaderTable::default() };
     let mut world = World::new();
     world
@@ -88,6 +97,46 @@ fn surfaces_know_the_camera() {
                 assert_eq!(names, None, "nobody requests names");
             }
         }
+    }
+}
+
+#[test]
+fn values_of_whole_objects_are_known_where_they_are_requested() {
+    let mut scene = curious_floor();
+    let value = |name: &str, data: &[f32]| Attribute {
+        name: name.into(),
+        rate: Rate::Vertex,
+        components: 1,
+        data: data.to_vec(),
+    };
+    scene.edit_mesh(MeshId(0)).attributes =
+        vec![value("heat", &[3.0; 4]), value("slope", &[1.0, 1.0, 2.0, 1.0])];
+    let mut more = (*scene.meshes()[0]).clone();
+    more.attributes = vec![value("heat", &[3.0; 4])];
+    let same = scene.add_mesh(more.clone());
+    more.attributes = vec![value("heat", &[4.0; 4])];
+    let other = scene.add_mesh(more);
+    scene.add_object_of("both", vec![MeshId(0), same]);
+    scene.add_object_of("mixed", vec![same, other]);
+    for (with_objects, expected) in [(true, vec![vec![("heat", vec![3.0])]; 2]), (false, Vec::new())] {
+        let request = |name: &str, components: u32| AttributeRequest {
+            name: name.to_owned(),
+            components,
+            default: vec![0.0; components as usize],
+        };
+        let mut requests = vec![request(AttributeRequest::IDS, 4)];
+        requests.extend(with_objects.then(|| request(AttributeRequest::OBJECTS, 1)));
+        let seen = seen_by(&scene, &Exposure::default(), requests, Integrator::Path);
+        let names = seen[0].1.clone().expect("they are requested");
+        let found: Vec<Vec<(&str, Vec<f32>)>> = names
+            .constants
+            .values()
+            .map(|values| values.iter().map(|(name, value)| (&name[..], value.clone())).collect())
+            .collect();
+        let mut all = expected.clone();
+        all.extend(with_objects.then(Vec::new));
+        assert_eq!(found, all);
+        assert_eq!(names.object_of, if with_objects { vec![0] } else { Vec::new() });
     }
 }
 

@@ -47,7 +47,7 @@ impl CameraProperties {
 }
 
 /// Names by number; missing ones are empty.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneNames {
     /// Of instances.
     pub instances: Vec<String>,
@@ -57,6 +57,10 @@ pub struct SceneNames {
     pub materials: Vec<String>,
     /// Sets of instances by name.
     pub sets: BTreeMap<String, BTreeSet<u32>>,
+    /// The object of each instance. Empty unless requested.
+    pub object_of: Vec<u32>,
+    /// Attributes that have the same value all over an object, by its number. Empty unless requested.
+    pub constants: BTreeMap<u32, BTreeMap<String, Vec<f32>>>,
 }
 
 /// Whether a name is that of a thing, or the last part of its path.
@@ -80,6 +84,17 @@ impl SceneNames {
         match set.strip_prefix('-') {
             Some(excluded) => !is_in(excluded),
             None => set.is_empty() || is_in(set),
+        }
+    }
+
+    /// The first instance with a name, or path that ends so, and its object; or the first object. The instance is `None` where only
+    /// the object has the name.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<(Option<u32>, u32)> {
+        let position = |list: &[String]| list.iter().position(|of| is_name_of(name, of));
+        match position(&self.instances) {
+            Some(instance) => Some((Some(instance as u32), *self.object_of.get(instance)?)),
+            None => position(&self.objects).map(|object| (None, object as u32)),
         }
     }
 

@@ -45,6 +45,10 @@ impl AttributeRequest {
     /// shutter.
     pub const VELOCITY: &'static str = "gnurt:velocity";
 
+    /// A request by this name, beside one for [`IDS`](Self::IDS), fills `SceneNames::object_of` and `SceneNames::constants`, too: one
+    /// float without a meaning.
+    pub const OBJECTS: &'static str = "gnurt:objects";
+
     /// What the name of a gradient begins with, before the name of an attribute: how each of its components changes with the
     /// place on the surface, three floats for each, in world space and per world unit. They lie in the plane of the
     /// triangle; 0 where the mesh lacks the attribute, or has it by triangles. `Cd` is the colour of vertices if no attribute

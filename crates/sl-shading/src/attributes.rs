@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Answers to `getattribute` about the camera of the picture, the path of a ray, and the names and numbers of a point's geometry.
+//! Answers to `getattribute` about the camera of the picture, the path of a ray, the names and numbers of a point's geometry, and other
+//! objects by their names.
 //! Source: names, types and conversions of the Open Shading Language.
 //! Tests: `tests/scripts/attributes.rs`.
 
-use gnurt_shading::{CameraProjection, CameraProperties, SurfaceBatch};
+use gnurt_shading::{CameraProjection, CameraProperties, SceneNames, SurfaceBatch};
 use gnurt_sl::exec::Given;
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
@@ -137,4 +138,44 @@ pub(crate) fn of_part(hits: &SurfaceBatch, ids: [u32; 4], name: &str, ty: Type) 
         _ => return None,
     };
     Some(Given::from(Data::Str(vec![text.into()])))
+}
+
+/// An attribute of the object or instance with a name: its number and names, or a value that is the same all over it.
+pub(crate) fn of_object(
+    names: &SceneNames,
+    object: &str,
+    name: &str,
+    index: Option<i32>,
+    ty: Type,
+) -> Option<Given> {
+    let (instance, object) = names.find(object)?;
+    if let Some(value) = names.constants.get(&object).and_then(|values| values.get(name)) {
+        let list = match index {
+            Some(index) => vec![*value.get(usize::try_from(index).ok()?)?],
+            None => value.clone(),
+        };
+        return fitting(list, ty);
+    }
+    let text = match (name, ty) {
+        ("object", Type::INT) => return Some(Given::from(Data::Int(vec![object as i32]))),
+        ("instance", Type::INT) => return Some(Given::from(Data::Int(vec![instance? as i32]))),
+        ("object", Type::STRING) => names.objects.get(object as usize)?,
+        ("instance", Type::STRING) => names.instances.get(instance? as usize)?,
+        (GEOMETRY, Type::STRING) => names.of_geometry(instance.unwrap_or(u32::MAX), object),
+        _ => return None,
+    };
+    Some(Given::from(Data::Str(vec![text.into()])))
+}
+
+/// Numbers as the type has them; none if there are too few.
+pub(crate) fn fitting(mut list: Vec<f32>, ty: Type) -> Option<Given> {
+    if list.len() < ty.size() {
+        return None;
+    }
+    list.truncate(ty.size().max(1));
+    match ty.base {
+        Base::Int => Some(Given::from(Data::Int(list.iter().map(|&x| x as i32).collect()))),
+        base if base.is_float_based() => Some(Given::from(Data::Float(list))),
+        _ => None,
+    }
 }

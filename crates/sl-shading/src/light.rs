@@ -18,7 +18,8 @@ pub(crate) struct ScriptLight {
 impl LightShader for ScriptLight {
     fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
         let world = World::empty(&self.common);
-        let [direction, color, distance, density] = ["L", "Cl", "lightdist", "lightpdf"].map(|name| self.common.row(name));
+        let [direction, color, distance, density] =
+            ["L", "Cl", "lightdist", "lightpdf"].map(|name| self.common.row(name));
         let (Some(direction), Some(color)) = (direction, color) else { return };
         let (mut points, mut results) = (Points::default(), Results::default());
         for first in (0..p.len()).step_by(LANES) {

@@ -252,7 +252,9 @@ pub(crate) fn interior(p: &Params) -> Interior {
     let (extinction, anisotropy) = match p.shape.known {
         Known::MediumVdf => {
             let (depth, left) = (p.float(1), p.share(2).max(Vec3::splat(1e-6)));
-            let most = if depth > 0.0 { left.map(|x| -x.ln()) / depth } else { Vec3::ZERO };
+            // Black twice is no medium, as in OSL's renderer: it only has an index.
+            let is_empty = albedo == Vec3::ZERO && p.share(2) == Vec3::ZERO;
+            let most = if depth > 0.0 && !is_empty { left.map(|x| -x.ln()) / depth } else { Vec3::ZERO };
             (most, p.float(3))
         }
         _ => (p.color(1), p.float(2)),

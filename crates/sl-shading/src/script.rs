@@ -686,7 +686,7 @@ impl Script {
                 });
             }
         };
-        let (mut spaces, mut area, mut parts) = (false, false, false);
+        let (mut spaces, mut area, mut parts, mut objects) = (false, false, false, false);
         for layer in &group.layers {
             let shader = &layer.shader;
             for (_, symbol) in shader.params().filter(|(id, _)| layer.interpolated(*id)) {
@@ -716,6 +716,11 @@ impl Script {
                         let texts: Vec<Option<&str>> =
                             names.iter().filter(is_text).map(|&id| text(id)).collect();
                         let index = names.iter().find(|id| !is_text(id)).map(|&id| index(id));
+                        // Other objects, by names that may be computed.
+                        let is_other =
+                            matches!(texts[..], [object, _] if !matches!(object, Some("" | "global")));
+                        objects |= is_other;
+                        parts |= is_other;
                         match (&texts[..], index) {
                             (&[] | &[.., None] | &[None, _, ..], _) => parts = true,
                             (&[.., Some(name)], _) if attributes::is_of_part(name) => parts = true,
@@ -772,6 +777,9 @@ impl Script {
         }
         if parts && matches!(self.kind, Kind::Surface | Kind::Pixel) {
             query(AttributeRequest::IDS, 4);
+        }
+        if objects && self.kind == Kind::Surface {
+            query(AttributeRequest::OBJECTS, 1);
         }
         if area && self.kind == Kind::Surface {
             query(AttributeRequest::SURFACE_AREA, 1);

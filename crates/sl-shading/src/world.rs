@@ -25,7 +25,7 @@ use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::color::ColorSystem;
 use gnurt_sl_lib::points::PointCloud;
 
-use crate::attributes::{self, Value};
+use crate::attributes::{self, Value, fitting};
 use crate::closures;
 use crate::faults::Faults;
 use crate::live::Live;
@@ -332,19 +332,6 @@ fn changing(list: Vec<Dual<f32>>) -> Option<Given> {
     Some(Given { value: Data::Float(part(|x| x.value)), derivs: [part(|x| x.dx), part(|x| x.dy)] })
 }
 
-/// Numbers as the type has them; none if there are too few.
-fn fitting(mut list: Vec<f32>, ty: Type) -> Option<Given> {
-    if list.len() < ty.size() {
-        return None;
-    }
-    list.truncate(ty.size().max(1));
-    match ty.base {
-        Base::Int => Some(Given::from(Data::Int(list.iter().map(|&x| x as i32).collect()))),
-        base if base.is_float_based() => some(list),
-        _ => None,
-    }
-}
-
 const IDENTITY: [[f32; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
@@ -431,7 +418,8 @@ impl Host for World<'_> {
                 return attributes::of_part(hits, ids, name, ty);
             }
         } else if object != "global" {
-            return None;
+            let names = self.hits?.names.as_ref()?;
+            return attributes::of_object(names, object, name, index, ty);
         }
         let value = match name {
             "osl:version" => Value::Ints(vec![gnurt_sl::VERSION_CODE as i32]),

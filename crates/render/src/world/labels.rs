@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use gnurt_scene::labels::{LightLinks, Shining};
-use gnurt_scene::{InstanceId, Light, LightId, MaterialId, Scene};
+use gnurt_scene::{Attribute, InstanceId, Light, LightId, MaterialId, Mesh, Object, Scene};
 use gnurt_shading::{AttributeRequest, PixelShader, SceneNames};
 
 use super::material_table::MaterialTable;
@@ -27,13 +27,43 @@ pub(super) fn names(
         return None;
     }
     let sets = scene.labels().trace_sets.iter();
+    let is_objects = |request: &AttributeRequest| request.name == AttributeRequest::OBJECTS;
+    let asks_objects = materials.shaders().any(|shader| shader.attributes().iter().any(is_objects));
+    let objects = || scene.objects().iter().filter(|_| asks_objects);
     let names = SceneNames {
         instances: scene.instances().iter().map(|instance| instance.name.clone()).collect(),
         objects: scene.objects().iter().map(|object| object.name.clone()).collect(),
         materials: scene.materials().iter().map(|material| material.name.clone()).collect(),
         sets: sets.map(|(name, set)| (name.clone(), set.iter().map(|id| id.0).collect())).collect(),
+        object_of: match asks_objects {
+            true => scene.instances().iter().map(|instance| instance.object.0).collect(),
+            false => Vec::new(),
+        },
+        constants: (0..).zip(objects().map(|object| constants(scene, object))).collect(),
     };
     before.filter(|before| **before == names).or_else(|| Some(Arc::new(names)))
+}
+
+/// Attributes that have one value in all meshes of an object.
+fn constants(scene: &Scene, object: &Object) -> BTreeMap<String, Vec<f32>> {
+    let mut meshes = object.meshes.iter().filter_map(|&id| scene.meshes().get(id.0 as usize));
+    let even = |attribute: &Attribute| {
+        let mut values = attribute.data.chunks_exact(attribute.components.max(1) as usize);
+        let first = values.next()?;
+        values.all(|value| value == first).then(|| first.to_vec())
+    };
+    let of_mesh = |mesh: &Mesh| -> BTreeMap<String, Vec<f32>> {
+        mesh.attributes.iter().filter_map(|a| Some((a.name.clone(), even(a)?))).collect()
+    };
+    let mut found = meshes.next().map(|mesh| of_mesh(mesh)).unwrap_or_default();
+    for mesh in meshes {
+        if found.is_empty() {
+            break;
+        }
+        let other = of_mesh(mesh);
+        found.retain(|name, value| other.get(name) == Some(value));
+    }
+    found
 }
 
 /// Names of one thing, and the group of its light.

@@ -115,9 +115,8 @@ fn read(name: &str) -> Found {
 /// beside the single texel of the smallest copy.
 fn property(file: &Stored, what: &str, ty: Type) -> Option<Data> {
     let found = answer(file, what, ty)?;
-    let is_beside = what == "averagecolor"
-        && file.window != file.display
-        && file.text("oiio:AverageColor").is_none();
+    let is_beside =
+        what == "averagecolor" && file.window != file.display && file.text("oiio:AverageColor").is_none();
     Some(match found {
         Data::Float(list) if is_beside => Data::Float(vec![0.0; list.len()]),
         found => found,

@@ -84,7 +84,10 @@ fn values_of_the_mesh_change_from_pixel_to_pixel() {
         ("color Cd = 0 [[ int lockgeom = 0 ]]", format!("float heat = Cd[2]; {slopes}"), 2),
     ] {
         let [found, wanted] = [show(declared, &statements, &mut hits), show("", &expected(k), &mut hits)];
-        assert!((found - wanted).abs().max_element() < 1e-6, "{declared} {statements}: {found}, not {wanted}");
+        assert!(
+            (found - wanted).abs().max_element() < 1e-6,
+            "{declared} {statements}: {found}, not {wanted}"
+        );
         assert!(wanted.x != 0.0 || wanted.y != 0.0, "a slope: {wanted}");
     }
     // Coordinates change as u and v do.
@@ -152,6 +155,47 @@ fn the_camera_has_its_standard_attributes() {
     assert_eq!(found("float x = 0; found = getattribute (\"camera:fov\", x);", &hits), NOTHING, "no camera");
     hits.camera = Some(CameraProperties { projection: Some(CameraProjection::Panorama), ..camera() });
     assert_eq!(found("float x = 0; found = getattribute (\"camera:fov\", x);", &hits), NOTHING, "no angle");
+}
+
+#[test]
+fn other_objects_are_found_by_their_names() {
+    let list = |names: &[&str]| names.iter().map(ToString::to_string).collect();
+    let mut hits = floor(3);
+    let values = [("heat".to_owned(), vec![3.0]), ("tint".to_owned(), vec![0.25, 0.5, 0.75])];
+    hits.names = Some(Arc::new(SceneNames {
+        instances: list(&["", "/room/chair"]),
+        objects: list(&["floor", "", "stool"]),
+        object_of: vec![0, 2],
+        constants: [(2, values.into_iter().collect())].into_iter().collect(),
+        ..SceneNames::default()
+    }));
+    hits.attributes = vec![vec![0.0; 12], vec![0.0; 3]];
+    let one = Vec3::splat;
+    for (statements, expected) in [
+        ("float x = 0; found = getattribute (\"stool\", \"heat\", x); c = x;", one(3.0)),
+        ("float x = 0; found = getattribute (\"/room/chair\", \"heat\", x); c = x;", one(3.0)),
+        ("int x = 0; found = getattribute (\"chair\", \"heat\", x); c = x;", one(3.0)),
+        ("found = getattribute (\"chair\", \"tint\", c);", Vec3::new(0.25, 0.5, 0.75)),
+        ("float x = 0; found = getattribute (\"chair\", \"tint\", 2, x); c = x;", one(0.75)),
+        ("float x = 0; found = getattribute (\"chair\", \"tint\", 3, x);", NOTHING),
+        ("found = getattribute (\"chair\", \"heat\", c);", NOTHING),
+        ("float x = 0; found = getattribute (\"floor\", \"heat\", x);", NOTHING),
+        ("float x = 0; found = getattribute (\"nobody\", \"heat\", x);", NOTHING),
+        (
+            "string o = u > 1 ? \"stool\" : \"floor\"; int x = 0; found = getattribute (o, \"object\", x); c = x;",
+            one(2.0),
+        ),
+        ("int x = 0; found = getattribute (\"chair\", \"instance\", x); c = x;", one(1.0)),
+        ("int x = 0; found = getattribute (\"stool\", \"instance\", x);", NOTHING),
+        ("string s; found = getattribute (\"chair\", \"geom:name\", s); c = s == \"/room/chair\";", one(1.0)),
+        ("string s; found = getattribute (\"chair\", \"object\", s); c = s == \"stool\";", one(1.0)),
+    ] {
+        let shown = found(statements, &hits);
+        assert!((shown - expected).length() < 1e-5, "{statements}: {shown}");
+    }
+    let shader = surface("float x = 0; getattribute (\"chair\", \"heat\", x); Ci = x * emission ();");
+    let names: Vec<&str> = shader.attributes().iter().map(|request| &request.name[..]).collect();
+    assert_eq!(names, [AttributeRequest::IDS, AttributeRequest::OBJECTS]);
 }
 
 #[test]

@@ -113,6 +113,7 @@ fn volume_closures_are_what_lies_behind() {
             Vec3::splat(0.75),
             Vec3::splat(0.25),
         ),
+        (format!("medium_vdf (color (0), 1, color (0), 0.3, 1.5, 0) + {glass}"), Vec3::ZERO, Vec3::ZERO),
     ] {
         // Layers without a medium change nothing.
         let others = " + layer (translucent (N), emission ())";

@@ -108,7 +108,12 @@ fn relief_of_pictures_is_that_of_their_formula() {
         assert!((light - expected).length() < 1e-3, "{light}, not {expected}");
     }
     // `bump` gives N that normal; P stays.
-    for call in ["bump (h)", "bump (h * N)", "bump (\"object\", h)", "for (int i = 0; i < 2; ++i) if (i > 0) bump (h)"] {
+    for call in [
+        "bump (h)",
+        "bump (h * N)",
+        "bump (\"object\", h)",
+        "for (int i = 0; i < 2; ++i) if (i > 0) bump (h)",
+    ] {
         let body = format!(
             "float h = texture (\"h.pfm\", u, v); point p = P; {call}; Ci = (0.5 + 0.5 * color (N) + length (P - p)) * emission ();"
         );

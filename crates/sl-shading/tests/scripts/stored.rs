@@ -129,7 +129,11 @@ fn files_say_what_they_are_and_what_is_wrong_once() {
     assert_eq!(red, 8.5, "the place within the tile");
     assert_eq!(textures.info(&tiles, Some([0.5, 0.5]), "channels", Type::INT), Ok(None), "a hole");
     let shared = |name: &str, what: &str, ty| StoredTextures::default().info(name, None, what, ty);
-    assert_eq!(shared(&tiles, "channels", Type::INT), Ok(Some(Data::Int(vec![3]))), "of the tiles that are there");
+    assert_eq!(
+        shared(&tiles, "channels", Type::INT),
+        Ok(Some(Data::Int(vec![3]))),
+        "of the tiles that are there"
+    );
     let size = Type::INT.array_of(2);
     assert_eq!(shared(&tiles, "resolution", size), Ok(Some(Data::Int(vec![16, 8]))));
     let other = ramp(folder.path(), [8, 8]);
