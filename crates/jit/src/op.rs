@@ -51,6 +51,10 @@ pub(crate) enum Binary {
     And,
     Or,
     Xor,
+    /// The first where it is less than the second, else the second.
+    Min,
+    /// The first where it is greater than the second, else the second.
+    Max,
     Less,
     AtMost,
     Equal,
@@ -119,6 +123,20 @@ impl Binary {
             Self::And => a & b,
             Self::Or => a | b,
             Self::Xor => a ^ b,
+            Self::Min => {
+                if x < y {
+                    a
+                } else {
+                    b
+                }
+            }
+            Self::Max => {
+                if x > y {
+                    a
+                } else {
+                    b
+                }
+            }
             Self::Less => mask(x < y),
             Self::AtMost => mask(x <= y),
             Self::Equal => mask(x == y),

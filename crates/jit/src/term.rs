@@ -92,6 +92,81 @@ pub(crate) fn op_of(id: Id) -> Op {
     RECORD.with_borrow(|record| record.ops[id as usize])
 }
 
+/// What takes the place of an operation.
+enum Simpler {
+    Known(Id),
+    Other(Op),
+}
+
+const ONE: u32 = 1.0_f32.to_bits();
+const NEGATIVE_ZERO: u32 = 1 << 31;
+
+/// The same value by less work, bit for bit except for the bits of NaNs.
+fn simpler(ops: &[Op], op: Op) -> Simpler {
+    let constant = |id: Id| match ops[id as usize] {
+        Op::Const(x) => Some(x),
+        _ => None,
+    };
+    match op {
+        Op::Binary(what, a, b) => {
+            // A constant comes second.
+            let (a, b) = if what.commutes() && constant(a).is_some() { (b, a) } else { (a, b) };
+            match (what, constant(b)) {
+                (Binary::Mul | Binary::Div, Some(ONE)) | (Binary::Add, Some(NEGATIVE_ZERO)) => {
+                    return Simpler::Known(a);
+                }
+                (Binary::Sub | Binary::IntAdd | Binary::IntSub | Binary::Or | Binary::Xor, Some(0)) => {
+                    return Simpler::Known(a);
+                }
+                (Binary::And, Some(u32::MAX)) => return Simpler::Known(a),
+                (Binary::Xor, Some(bits)) => {
+                    if let Op::Binary(Binary::Xor, inner, by) = ops[a as usize]
+                        && constant(by) == Some(bits)
+                    {
+                        return Simpler::Known(inner);
+                    }
+                }
+                (Binary::And | Binary::Or, None) if a == b => return Simpler::Known(a),
+                _ => {}
+            }
+            Simpler::Other(Op::Binary(what, a, b))
+        }
+        Op::Choose(mask, yes, no) => {
+            // A mask that was turned around.
+            let (mask, yes, no) = match ops[mask as usize] {
+                Op::Binary(Binary::Xor, inner, ones) if constant(ones) == Some(u32::MAX) => (inner, no, yes),
+                _ => (mask, yes, no),
+            };
+            extreme(ops, mask, yes, no).map_or(Simpler::Other(Op::Choose(mask, yes, no)), Simpler::Other)
+        }
+        _ => Simpler::Other(op),
+    }
+}
+
+/// A choice between the two values that the mask compares, as a minimum or maximum with the same zeros, and the same of both
+/// where one is NaN.
+fn extreme(ops: &[Op], mask: Id, yes: Id, no: Id) -> Option<Op> {
+    let Op::Binary(what @ (Binary::Less | Binary::AtMost), low, high) = ops[mask as usize] else {
+        return None;
+    };
+    let is_number = |id: Id| match ops[id as usize] {
+        Op::Const(bits) => !f32::from_bits(bits).is_nan() && f32::from_bits(bits) != 0.0,
+        _ => false,
+    };
+    // Where both are equal, the other one is taken: the same bits, unless they are zeros.
+    if what == Binary::AtMost && !is_number(low) && !is_number(high) {
+        return None;
+    }
+    match (what, (yes, no) == (low, high), (yes, no) == (high, low)) {
+        (Binary::Less, true, _) => Some(Op::Binary(Binary::Min, low, high)),
+        (Binary::Less, _, true) => Some(Op::Binary(Binary::Max, high, low)),
+        // `low` where it is at most `high`, else `high`, also for NaN.
+        (_, true, _) => Some(Op::Binary(Binary::Min, low, high)),
+        (_, _, true) => Some(Op::Binary(Binary::Max, high, low)),
+        _ => None,
+    }
+}
+
 /// Records an operation; one that was recorded before, or whose values are constants, is not recorded again.
 #[inline(never)]
 pub(crate) fn push(op: Op) -> Id {
@@ -112,7 +187,13 @@ pub(crate) fn push(op: Op) -> Id {
             },
             _ => None,
         };
-        let op = folded.map_or(op, Op::Const);
+        let op = match folded {
+            Some(bits) => Op::Const(bits),
+            None => match simpler(&record.ops, op) {
+                Simpler::Known(id) => return id,
+                Simpler::Other(op) => op,
+            },
+        };
         *record.known.entry(op).or_insert_with(|| {
             record.ops.push(op);
             (record.ops.len() - 1) as Id
@@ -129,7 +210,19 @@ pub(crate) fn unary(what: Unary, a: Id) -> Id {
 }
 
 pub(crate) fn binary(what: Binary, a: Id, b: Id) -> Id {
+    if let (Binary::Div, Op::Const(divisor)) = (what, op_of(b))
+        && let Some(inverse) = exact_inverse(divisor)
+    {
+        return push(Op::Binary(Binary::Mul, a, constant(inverse)));
+    }
     push(Op::Binary(what, a, b))
+}
+
+/// One over a power of two, where that is a normal number, too: products with it are the quotients, bit for bit.
+fn exact_inverse(bits: u32) -> Option<u32> {
+    let exponent = bits >> 23 & 0xff;
+    let is_power = bits << 9 == 0 && (1..=253).contains(&exponent);
+    is_power.then_some(bits & 1 << 31 | (254 - exponent) << 23)
 }
 
 macro_rules! operators {

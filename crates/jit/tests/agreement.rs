@@ -39,6 +39,31 @@ fn arithmetic() {
     );
 }
 
+/// Choices between compared values are minima and maxima, and some operations are left out: zeros of both signs, NaN, the
+/// infinite, and the smallest numbers.
+#[test]
+fn shorter_operations_have_the_same_bits() {
+    let values = "float big = 1e38 * (u + 1) * 10, none = big - big, minus = -(u * 0), least = 1e-45 * (1 + (u > 0.5));
+        float x = v < 0.2 ? none : v < 0.4 ? minus : v < 0.6 ? big : v < 0.8 ? least : u - 0.5;
+        float y = u < 0.3 ? none : u < 0.5 ? 0 : u < 0.7 ? minus : v - 0.5;";
+    for statements in [
+        "o = color (min (x, 0), min (x, 1), min (x, -1)); f = min (x, y);",
+        "o = color (min (0, x), min (1, x), min (-1, x)); f = min (y, x);",
+        "o = color (max (x, 0), max (x, 1), max (x, -1)); f = max (x, y);",
+        "o = color (max (0, x), max (1, x), max (-1, x)); f = max (y, x);",
+        "o = color (clamp (x, 0, 1), clamp (x, -1, 2), clamp (x, y, 1)); f = clamp (x, -y, y);",
+        "o = color (x < 2 ? x : 2, x < 2 ? 2 : x, x <= 2 ? x : 2); f = x <= 2 ? 2 : x;",
+        "o = color (2 < x ? x : 2, 2 < x ? 2 : x, 2 <= x ? x : 2); f = 2 <= x ? 2 : x;",
+        "o = color (x < y ? x : y, x < y ? y : x, x <= y ? x : y); f = x <= y ? y : x;",
+        "o = color (!(x < y) ? x : y, !(x <= 2) ? 2 : x, !(x == y) ? x : 3); f = x > y ? x : y;",
+        "o = color (x * 1, x / 1, x - 0); f = 1 * x; k = ((int) (u * 9) ^ 0) + 0 | 0 & 3;",
+        "o = color (x / 2, x / -4, x / 1.17549435e-38); f = x / 3 + y / 1.70141183e38; k = (int) (v * 9) * 1;",
+        "o = color (-(-x), abs (abs (x)), -abs (-x)); f = Dx (min (u * u, v)) + Dy (max (v * u, 0.5)); k = !!(int) (u * 2);",
+    ] {
+        body(0, &format!("{values} {statements}"));
+    }
+}
+
 #[test]
 fn functions() {
     for name in [

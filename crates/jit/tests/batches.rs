@@ -94,7 +94,21 @@ fn what_a_host_answers_for_all_points_is_what_it_answers_for_each() {
         ("w = calculatenormal (P * u); r = transform (\"object\", P); vector by = Dx (r); f = by[1];", 0),
         ("r = transform (\"object\", \"common\", vector (P)) + transform (\"common\", normal (u, v, 1));", 0),
         ("if (u > 0.3) r = transform (\"object\", normal (P)); w = Dy (r);", 0),
+        (
+            "w = point (\"object\", u, v, 1); r = normal (\"object\", u * u, 2, v) + vector (\"object\", 0, k, u); f = Dx (w[1]) + Dy (r[0]);",
+            0,
+        ),
+        (
+            "if (u > 0.4) w = point (\"object\", u * v, 1, 2); d = Dx (w); w += point (\"common\", u, 2, v);",
+            0,
+        ),
+        (
+            "c = blackbody (1900) + blackbody (u * 5000); if (v > 0.4) c = blackbody (k); d = wavelength_color (500 + 100 * v);",
+            0,
+        ),
         // These are asked one by one.
+        ("w = point (\"own\", u, v, 1); r = vector (u > 0.5 ? \"own\" : \"object\", u, 0, 1);", 0),
+        ("w = point (\"nowhere\", u, v, 1);", 0),
         ("w = transform (\"own\", P); r = transform (u > 0.5 ? \"own\" : \"object\", \"object\", P);", 0),
         ("w = transform (\"nowhere\", P);", 0),
         (

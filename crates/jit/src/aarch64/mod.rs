@@ -245,8 +245,14 @@ impl Isa for Asm {
         self.two(code, to, from);
     }
 
-    fn binary(&mut self, _: Width, what: Binary, to: u8, a: u8, b: Source) {
+    fn binary(&mut self, width: Width, what: Binary, to: u8, a: u8, b: Source) {
         let b = register(b);
+        // The machine's own minimum has another rule for zeros and NaN.
+        if let Binary::Min | Binary::Max = what {
+            let (high, low) = if what == Binary::Min { (b, a) } else { (a, b) };
+            self.three(lanes::FCMGT, SPARE[0], high, low);
+            return self.choose(width, to, SPARE[0], Source::Reg(a), b);
+        }
         let (code, a, b) = match what {
             Binary::Less => (lanes::FCMGT, b, a),
             Binary::AtMost => (lanes::FCMGE, b, a),

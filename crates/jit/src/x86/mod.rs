@@ -379,6 +379,8 @@ fn code(what: Binary) -> Code {
         Binary::Sub => Code(0, 1, 0x5c),
         Binary::Mul => Code(0, 1, 0x59),
         Binary::Div => Code(0, 1, 0x5e),
+        Binary::Min => Code(0, 1, 0x5d),
+        Binary::Max => Code(0, 1, 0x5f),
         Binary::And => AND,
         Binary::Or => OR,
         Binary::Xor => XOR,

@@ -6,7 +6,7 @@
 //! crates/jit/tests/batches.rs.
 
 use super::batch::Points;
-use super::cells::{Batch, Cells, LANES, lanes_of};
+use super::cells::{Batch, Cells, DualRow, LANES, lanes_of};
 use super::machine::{Machine, Step};
 use super::rows;
 use super::slot::Slot;
@@ -32,6 +32,21 @@ pub fn queries_in_batches(step: &Step) -> bool {
                 |slot: &Slot| slot.ty.base.is_float_based() && !slot.ty.is_array() && slot.size == 3;
             let are_names = middle.iter().all(|name| name.ty == Type::STRING);
             has_three(&step.args[0]) && has_three(&value) && are_names && step.writes == 1
+        }
+        // A triple of three numbers in a named space.
+        (Opcode::Point | Opcode::Vector | Opcode::Normal, 5) => {
+            let has_one = |slot: &Slot| matches!(slot.ty, Type::FLOAT | Type::INT);
+            out.base.is_triple()
+                && !out.is_array()
+                && step.args[1].ty == Type::STRING
+                && step.args[2..].iter().all(has_one)
+                && step.writes == 1
+        }
+        (Opcode::Blackbody | Opcode::WavelengthColor, 2) => {
+            out.base.is_triple()
+                && !out.is_array()
+                && matches!(step.args[1].ty, Type::FLOAT | Type::INT)
+                && step.writes == 1
         }
         (Opcode::Texture, 4..) => out.base.is_float_based() && !out.is_array(),
         _ => false,
@@ -68,11 +83,40 @@ impl Machine<'_> {
                 code @ (Opcode::Transform | Opcode::TransformV | Opcode::TransformN),
                 [out, spaces @ .., value],
             ) => {
-                let Some(matrix) = self.same_matrix(spaces, lanes, points, batch) else { return false };
+                let Some(matrix) = self.same_matrix(spaces, lanes, points, batch, false) else {
+                    return false;
+                };
                 each_triple(batch, lanes, (out, value), |_, v| match code {
                     Opcode::TransformV => mx::transform_vector(&matrix, v),
                     Opcode::TransformN => mx::transform_normal(&matrix, v),
                     _ => mx::transform_point(&matrix, v),
+                });
+            }
+            (Opcode::Point | Opcode::Vector | Opcode::Normal, [out, space, numbers @ ..]) => {
+                let Some(matrix) = self.same_matrix(std::slice::from_ref(space), lanes, points, batch, true)
+                else {
+                    return false;
+                };
+                let all = [0, 1, 2].map(|i: usize| rows::dual(batch, &numbers[i.min(numbers.len() - 1)], 0));
+                put_triples(batch, lanes, (out, all), |_, v| match out.ty {
+                    Type::POINT => mx::transform_point(&matrix, v),
+                    Type::NORMAL => mx::transform_normal(&matrix, v),
+                    _ => mx::transform_vector(&matrix, v),
+                });
+            }
+            (code @ (Opcode::Blackbody | Opcode::WavelengthColor), [out, value]) => {
+                let colors = self.host.color_system();
+                let mut last: Option<(u32, [f32; 3])> = None;
+                each_triple(batch, lanes, (out, value), |_, [x, ..]| {
+                    // Most shaders ask for one number.
+                    let bits = x.value.to_bits();
+                    let color = match last {
+                        Some((known, color)) if known == bits => color,
+                        _ if code == Opcode::Blackbody => colors.blackbody(x.value),
+                        _ => colors.wavelength_color(x.value),
+                    };
+                    last = Some((bits, color));
+                    Dual::from(color).components()
                 });
             }
             (Opcode::Texture, _) => return texture::textures(self, step, lanes, batch).is_some(),
@@ -83,19 +127,22 @@ impl Machine<'_> {
 }
 
 impl Machine<'_> {
-    /// The matrix between the spaces that an operation names, if it is the same for some points.
+    /// The matrix between the spaces that an operation names, if it is the same for some points. A single name is the end, or the
+    /// start if it goes to the common space.
     fn same_matrix(
         &mut self,
         names: &[Slot],
         lanes: u32,
         points: &Points,
         batch: &dyn Batch,
+        to_common: bool,
     ) -> Option<[[f32; 4]; 4]> {
         let text = |name: &Slot| match batch.get(name.at) {
             Cells::One(cell_bits) => Some(self.strings.text(cell_bits).clone()),
             Cells::Each(_) => None,
         };
         let (from, to) = match names {
+            [from] if to_common => (text(from)?, "common".into()),
             [to] => ("common".into(), text(to)?),
             [from, to] => (text(from)?, text(to)?),
             _ => return None,
@@ -113,9 +160,19 @@ fn each_triple(
     batch: &mut dyn Batch,
     lanes: u32,
     (out, value): (&Slot, &Slot),
-    f: impl Fn(usize, [Dual<f32>; 3]) -> [Dual<f32>; 3],
+    f: impl FnMut(usize, [Dual<f32>; 3]) -> [Dual<f32>; 3],
 ) {
-    let mut all = [0, 1, 2].map(|i| rows::dual(batch, value, i));
+    let all = [0, 1, 2].map(|i| rows::dual(batch, value, i));
+    put_triples(batch, lanes, (out, all), f);
+}
+
+/// The same for numbers that were read.
+fn put_triples(
+    batch: &mut dyn Batch,
+    lanes: u32,
+    (out, mut all): (&Slot, [DualRow; 3]),
+    mut f: impl FnMut(usize, [Dual<f32>; 3]) -> [Dual<f32>; 3],
+) {
     for lane in lanes_of(lanes) {
         let [x, y, z] = &all;
         let found = f(lane, [x.get(lane), y.get(lane), z.get(lane)]);

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Measures shader files as machine code: nanoseconds a point, for each level of the CPU.
+//!
+//! `cargo run --release -p gnurt-jit --example files -- FILE.osl...`
+
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use gnurt_jit::{Compiled, Lanes};
+use gnurt_simd::Level;
+use gnurt_sl::exec::{ClosureDecl, Host, Plan, PlanOptions, Point, Points, standard_closures};
+use gnurt_sl::group::Group;
+use gnurt_sl::{Options, compile};
+use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::color::ColorSystem;
+
+struct World(ColorSystem);
+
+impl Host for World {
+    fn color_system(&self) -> &ColorSystem {
+        &self.0
+    }
+
+    fn closures(&self) -> &[ClosureDecl] {
+        standard_closures()
+    }
+
+    fn common_from(&self, _: &str, _: &Point) -> Option<[[f32; 4]; 4]> {
+        Some([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    }
+
+    fn is_same_space(&self, _: &str, _: u32, _: &[i32; 16]) -> bool {
+        true
+    }
+}
+
+/// Points of a wall of two units, seen from in front.
+fn batches() -> Vec<Points> {
+    let x = |k: usize, s: f32| (k as f32 * s).fract();
+    let point = |k: usize| {
+        let (u, v) = (x(k, 0.618_034), x(k, 0.414_214));
+        Point {
+            p: Dual::from_components([
+                Dual::new(2.0 * u - 1.0, 0.01, 0.0),
+                Dual::new(2.0 * v - 1.0, 0.0, 0.01),
+                Dual::from(0.25 * u),
+            ]),
+            i: [0.1, 0.2, -0.974_679_5].into(),
+            n: [0.0, 0.6, 0.8],
+            ng: [0.0, 0.6, 0.8],
+            ps: [u, v, 0.5].into(),
+            u: Dual::new(u, 0.005, 0.0),
+            v: Dual::new(v, 0.0, 0.005),
+            dpdu: [2.0, 0.0, 0.0],
+            dpdv: [0.0, 2.0, 0.0],
+            xi: [u, v],
+            index: k as i32,
+            ..Point::default()
+        }
+    };
+    let batch = |first: usize| {
+        let mut points = Points { count: 16, ..Points::default() };
+        (0..16).for_each(|lane| points.set(lane, &point(first + lane)));
+        points
+    };
+    (0..256).step_by(16).map(batch).collect()
+}
+
+fn plan(path: &str) -> Result<Arc<Plan>, String> {
+    let text = std::fs::read_to_string(path).map_err(|why| why.to_string())?;
+    let load = |path: &Path| std::fs::read_to_string(path).ok();
+    let compiled = compile(path, &text, &Options::default(), &load);
+    let Some(shader) = compiled.shader else {
+        return Err(compiled.diagnostics.list.first().map_or_else(String::new, |d| d.message.clone()));
+    };
+    let mut group = Group::default();
+    group.add(Arc::new(shader), None, &[], &mut Vec::new());
+    Plan::new(&group, &PlanOptions { drops_outputs: true, ..PlanOptions::default() }).map(Arc::new)
+}
+
+/// The least time of some tries, in ns a point.
+fn time(mut run: impl FnMut()) -> f64 {
+    run();
+    let tries = (0..15).map(|_| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64() * 1e9 / 256.0
+    });
+    tries.fold(f64::INFINITY, f64::min)
+}
+
+fn main() -> Result<(), String> {
+    let mut out = std::io::stdout().lock();
+    let world = World(ColorSystem::named("Rec709").ok_or("no colours")?);
+    let levels: Vec<Level> = Level::available().into_iter().filter(|&l| Compiled::can(l)).collect();
+    let batches = batches();
+    for path in std::env::args().skip(1) {
+        let plan = plan(&path).map_err(|why| format!("{path}: {why}"))?;
+        let name =
+            Path::new(&path).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into());
+        let _ = write!(out, "{name:<40}");
+        for &level in &levels {
+            match Compiled::new(plan.clone(), level) {
+                Ok(code) => {
+                    let mut lanes = Lanes::new(&code, &world);
+                    let each = time(|| batches.iter().for_each(|points| lanes.run(points)));
+                    let _ = write!(out, " {level} {each:.1}");
+                }
+                Err(why) => {
+                    let _ = write!(out, " {level} {why}");
+                }
+            }
+        }
+        let _ = writeln!(out);
+    }
+    Ok(())
+}
