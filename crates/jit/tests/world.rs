@@ -230,7 +230,12 @@ fn compare_with(group: &Group, plain: &Arc<Plan>, plan: &Arc<Plan>, first: usize
             } else {
                 Compiled::new(plan.clone(), level)
             };
-            let code = made.unwrap_or_else(|why| panic!("{why}\n{text}"));
+            let code = match made {
+                Ok(code) => code,
+                // A limit of machine code that a random program in twenty thousand meets: it is interpreted.
+                Err(why) if why.to_string().ends_with("values are needed at once") => continue,
+                Err(why) => panic!("{why}\n{text}"),
+            };
             left = code.calls();
             let mut lanes = Lanes::new(&code, &world);
             for (batch, list) in points.chunks(code.lanes()).enumerate() {

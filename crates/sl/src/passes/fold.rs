@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Evaluates values known before a shader runs: numbers computed from constants and constant parameters, and
-//! conditions on them. Then removes unused code. Constant propagation and dead code elimination over symbols
-//! that are written once.
+//! conditions on them. Products of closures with 0 and 1 and sums with nothing become copies. Then removes unused code. Constant
+//! propagation and dead code elimination over symbols that are written once.
 //! Invariant: the output of a shader is the same with and without it.
 //! Tests: `tests/passes.rs`, and OSL's test suite, which runs through it.
 
 use crate::exec::known_result;
 use crate::hir::Data;
-use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
+use crate::ir::{Block, Node, Op, Shader, SymId, Symbol, SymbolKind, Use, ops, uses};
 use crate::opcode::Opcode;
 use crate::types::{Base, Type};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The limit of passes, each of which visits the whole shader.
 const PASSES: usize = 100;
@@ -21,7 +21,10 @@ pub fn fold(shader: &mut Shader, known: &HashMap<SymId, Data>) {
         let mut writes = vec![0_u32; shader.symbols.len()];
         uses(&shader.code, &mut |id, usage| writes[id as usize] += u32::from(usage == Use::Write));
         let (made, now) = (HashMap::new(), HashMap::new());
-        let mut folder = Folder { shader, known, writes: &writes, made, now, changed: false };
+        let once = written_first(shader, &writes);
+        let empty = HashSet::new();
+        let mut folder =
+            Folder { shader, known, writes: &writes, once: &once, empty, made, now, changed: false };
         let mut code = std::mem::take(&mut folder.shader.code);
         code = folder.block(code);
         let (made, mut changed) = (std::mem::take(&mut folder.made), folder.changed);
@@ -42,6 +45,10 @@ struct Folder<'a> {
     shader: &'a mut Shader,
     known: &'a HashMap<SymId, Data>,
     writes: &'a [u32],
+    /// Variables that are written once, before they are read.
+    once: &'a [bool],
+    /// Closures without components.
+    empty: HashSet<SymId>,
     /// Symbols that turn out to be constants.
     made: HashMap<SymId, Data>,
     /// The current contents of the compiler's own variables, also of those that are written more than once.
@@ -98,7 +105,7 @@ impl Folder<'_> {
                         out.push(Node::Op(op));
                     }
                     None => {
-                        let node = Node::Op(op);
+                        let node = Node::Op(self.closure(op));
                         self.forget(std::slice::from_ref(&node));
                         out.push(node);
                     }
@@ -144,18 +151,111 @@ impl Folder<'_> {
         out
     }
 
+    fn is_closure(&self, id: SymId) -> bool {
+        self.shader.symbol(id).ty == Type::CLOSURE
+    }
+
+    /// Whether all numbers of a value are known to be `x`.
+    fn has_all(&self, id: SymId, x: f32) -> bool {
+        match self.value(id) {
+            Some(Data::Float(list)) => list.iter().all(|&y| y == x),
+            Some(Data::Int(list)) => list.iter().all(|&y| y as f32 == x),
+            _ => false,
+        }
+    }
+
+    /// Whether it is a closure without components, or 0.
+    fn is_empty(&self, id: SymId) -> bool {
+        if self.is_closure(id) { self.empty.contains(&id) } else { self.has_all(id, 0.0) }
+    }
+
+    /// An operation on closures, or a copy in its place: products with 0 or 1, and sums with nothing.
+    fn closure(&mut self, op: Op) -> Op {
+        let [out, a, b] = match (op.code, &op.args[..]) {
+            (Opcode::Mul | Opcode::Add, &[out, a, b]) => [out, a, b],
+            (Opcode::Assign, &[out, a]) => [out, a, a],
+            _ => return op,
+        };
+        // Others may be read before they are written, or written again.
+        let is_safe = self.once[out as usize]
+            || self.shader.symbol(out).kind == SymbolKind::Temp && self.writes[out as usize] == 1;
+        if !self.is_closure(out) || op.writes != 1 {
+            return op;
+        }
+        let [closures, ones] = [[a, b].map(|id| self.is_closure(id)), [a, b].map(|id| self.has_all(id, 1.0))];
+        let [a_empty, b_empty] = [a, b].map(|id| self.is_empty(id));
+        let from = match op.code {
+            Opcode::Add if a_empty => Some(b).filter(|_| !b_empty),
+            Opcode::Add if b_empty => Some(a),
+            Opcode::Mul if a_empty || b_empty => None,
+            Opcode::Mul if closures == [true, false] && ones[1] => Some(a),
+            Opcode::Mul if closures == [false, true] && ones[0] => Some(b),
+            Opcode::Assign if a_empty => None,
+            _ => return op,
+        };
+        if from.is_none() && is_safe {
+            self.empty.insert(out);
+        }
+        if op.code == Opcode::Assign && !closures[0] {
+            return op;
+        }
+        self.changed = true;
+        let from = from.unwrap_or_else(|| zero(self.shader));
+        Op { code: Opcode::Assign, args: vec![out, from], reads: 2, writes: 1, derivs: 0, at: op.at }
+    }
+
     /// The symbol and value that an operation always makes.
     fn operation(&self, op: &Op) -> Option<(SymId, Data)> {
         let (&out, args) = op.args.split_first()?;
         let symbol = self.shader.symbol(out);
-        // A declared variable may be read before it is written, in a loop: only temporaries are safe.
-        if symbol.kind != SymbolKind::Temp || symbol.derivs && symbol.ty != Type::INT || op.writes != 1 {
+        // A declared variable may be read before it is written.
+        let is_safe = symbol.kind == SymbolKind::Temp
+            || symbol.kind == SymbolKind::Local && self.once[out as usize] && !symbol.ty.is_array();
+        if !is_safe || symbol.derivs && symbol.ty != Type::INT || op.writes != 1 {
             return None;
         }
         let operand = |&id: &SymId| Some((self.shader.symbol(id).ty, self.value(id)?));
         let operands: Vec<(Type, &Data)> = args.iter().map(operand).collect::<Option<_>>()?;
         Some((out, known_result(op.code, symbol.ty, &operands)?))
     }
+}
+
+/// The constant 0.
+fn zero(shader: &mut Shader) -> SymId {
+    let is_zero = |symbol: &Symbol| {
+        symbol.kind == SymbolKind::Const
+            && symbol.ty == Type::INT
+            && matches!(&symbol.value, Some(Data::Int(list)) if list[..] == [0])
+    };
+    if let Some(known) = shader.symbols.iter().position(is_zero) {
+        return known as SymId;
+    }
+    let name = format!("$nothing{}", shader.symbols.len());
+    let value = Some(Data::Int(vec![0]));
+    shader.symbols.push(Symbol { value, ..Symbol::new(name.into(), SymbolKind::Const, Type::INT) });
+    (shader.symbols.len() - 1) as SymId
+}
+
+/// Which local variables are written once, outside of loops, choices and functions, and not read before: they have one value.
+fn written_first(shader: &Shader, writes: &[u32]) -> Vec<bool> {
+    let mut read = vec![false; shader.symbols.len()];
+    for symbol in &shader.symbols {
+        uses(&symbol.init, &mut |id, _| read[id as usize] = true);
+    }
+    let mut once = vec![false; shader.symbols.len()];
+    for node in &shader.code {
+        if let Node::Op(op) = node {
+            for (_, &id) in op.args.iter().enumerate().filter(|(i, _)| op.is_read(*i)) {
+                read[id as usize] = true;
+            }
+            if let Some(&out) = op.args.first().filter(|_| op.writes == 1) {
+                once[out as usize] = writes[out as usize] == 1 && !read[out as usize];
+            }
+        } else {
+            uses(std::slice::from_ref(node), &mut |id, _| read[id as usize] = true);
+        }
+    }
+    once
 }
 
 /// Whether an operation has no effect but its results, and reports no unknown names.

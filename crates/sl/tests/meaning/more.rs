@@ -275,3 +275,41 @@ fn results_that_are_no_numbers_are_told_where_that_is_asked_for() {
         "{diagnostics_of:?}"
     );
 }
+
+/// Known weights of 0 and 1, nothing at all, variables that are read before they are written, loops, and functions that end early.
+#[test]
+fn closures_are_the_same_where_known_weights_are_left_out() {
+    for body in [
+        "float w = 0; closure color c = w * emission (); Ci = c + (1 - w) * diffuse (N);",
+        "float w = 1; closure color c = w * emission (), d = 0; Ci = (1 - w) * c + w * (d + c) + d;",
+        "color w = color (1, 0, 1); closure color c = w * emission (); Ci = c * w + c * color (1) + c * 0;",
+        "closure color c = 0; if (u > 0.5) c = diffuse (N); Ci = c + 0 * diffuse (N); Ci += c;",
+        "closure color c; for (int i = 0; i < 3; ++i) { closure color d = i * emission (); c = c + d * 1; } Ci = c;",
+        "closure color d; for (int i = 0; i < 2; ++i) { Ci = Ci + d; d = emission (); float w = i; Ci += w * d; }",
+        "float before = 3; closure color c = before * emission (); float w; c = w * c + c; w = 1; Ci = w * c;",
+        "closure color half (float x) { if (x > 0.5) return 0; return x * diffuse (N); } Ci = half (0.75) + half (0) + half (0.25);",
+        "closure color c = emission (); c = 0; Ci = c; c = diffuse (N); Ci = Ci + c * 1; c = 0 * c;",
+        "if (u > 2) return; float w = 2; w = w; Ci = w * 0.5 * emission () + 0 * (w * diffuse (N));",
+    ] {
+        let mut group = Group::default();
+        let text = format!("surface s () {{ {body} }}");
+        let (functions, main) = match body.split_once("} Ci = half") {
+            Some((function, main)) => (format!("{function}}}"), format!("Ci = half{main}")),
+            None => (String::new(), body.to_owned()),
+        };
+        let text = if functions.is_empty() { text } else { format!("{functions} surface s () {{ {main} }}") };
+        group.add(Arc::new(shader(&text)), None, &[], &mut Vec::new());
+        let world = Lit::default();
+        let found = [false, true].map(|optimise| {
+            let options = PlanOptions { optimise, ..PlanOptions::default() };
+            let plan = Plan::new(&group, &options).expect("it is known");
+            let mut machine = Machine::new(&plan, &world);
+            [0.25, 0.75].map(|u: f32| {
+                machine.run(&Point { u: u.into(), n: [0.0, 1.0, 0.0], ..Point::default() });
+                machine.components(machine.ci())
+            })
+        });
+        assert_eq!(found[0], found[1], "{text}");
+        assert!(found[0].iter().any(|list| !list.is_empty()), "something is left: {text}");
+    }
+}
