@@ -50,7 +50,7 @@ impl AttributeRequest {
     pub const OBJECTS: &'static str = "gnurt:objects";
 
     /// What the name of a gradient begins with, before the name of an attribute: how each of its components changes with the
-    /// place on the surface, three floats for each, in world space and per world unit. They lie in the plane of the
+    /// place on the surface, three floats for each, in world space and per world unit. They are along the plane of the
     /// triangle; 0 where the mesh lacks the attribute, or has it by triangles. `Cd` is the colour of vertices if no attribute
     /// has that name.
     pub const GRADIENT: &'static str = "gnurt:gradient:";

@@ -68,7 +68,7 @@ impl DisplacementShader for ScriptDisplacement {
     }
 }
 
-/// Replaces calls of `displace` by what they do to `P`, or calls of `bump` by what they do to `N`. Both take `(amp)`, `(space, amp)` and
+/// Replaces calls of `displace` by operations on `P`, or calls of `bump` by those on `N`. Both take `(amp)`, `(space, amp)` and
 /// `(offset)`.
 pub(crate) fn expand(shader: &mut Shader, which: Opcode) {
     let mut code = std::mem::take(&mut shader.code);

@@ -10,6 +10,7 @@
 mod access;
 mod attributes;
 mod camera;
+mod changes;
 mod closures;
 mod codes;
 mod displacement;

@@ -6,7 +6,6 @@ use super::components::Closures;
 use super::host::{Host, Point};
 use super::slot::{RetainedOutput, Slot};
 use super::strings::Strings;
-use super::unwritten::Unwritten;
 use crate::ir::{Shader, SourcePosition, SymId};
 use crate::opcode::Opcode;
 use crate::types::Type;
@@ -224,6 +223,12 @@ pub enum Event {
     File(String, String),
 }
 
+/// The cells that operations have written, and the number of each operation by its address.
+pub(super) struct Unwritten {
+    pub(super) written: Vec<bool>,
+    pub(super) numbers: HashMap<usize, usize>,
+}
+
 /// Runs groups. One for each thread.
 pub struct Machine<'a> {
     pub(super) plan: &'a Plan,
@@ -323,11 +328,6 @@ impl<'a> Machine<'a> {
     /// From now on, reports results that are NaN or infinite.
     pub fn check_numbers(&mut self) {
         self.checks = true;
-    }
-
-    /// From now on, reports operations that read local variables which were never written.
-    pub fn check_reads_of_unwritten(&mut self) {
-        self.unwritten = Some(Box::new(Unwritten::new(self.plan)));
     }
 
     /// Its memory, for another one.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Tells what reads variables that were never written, for `testshade --debuguninit`.
+//! Tells reads of variables that were never written, for `testshade --debuguninit`.
 //! Local variables start at 0; a bit of each of their cells says whether an operation has written it. Operations that read one
 //! element look at its cells only, and a report counts as a write, so that it comes once.
 //! Source: the rules, the message and the numbers of operations are those of OSL's `debug_uninit`. OSL's compiler compares the condition
@@ -11,17 +11,11 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::ptr::from_ref;
 
-use super::machine::{Instruction, LayerPlan, Machine, Plan, Step};
+use super::machine::{Instruction, LayerPlan, Machine, Plan, Step, Unwritten};
 use super::slot::Slot;
 use crate::ir::{SourcePosition, SymId, SymbolKind};
 use crate::opcode::Opcode;
 use crate::types::Base;
-
-/// What has been written, and the number of each operation by its address.
-pub(super) struct Unwritten {
-    written: Vec<bool>,
-    numbers: HashMap<usize, usize>,
-}
 
 fn address<T>(of: &T) -> usize {
     from_ref(of).addr()
@@ -36,7 +30,7 @@ struct Numbers<'a> {
 }
 
 impl Numbers<'_> {
-    /// A number for what is at an address, behind the parameters that it is the first to use.
+    /// A number for the operation at an address, behind the parameters that it is the first to use.
     fn add(&mut self, address: usize, symbols: &[SymId], is_certain: bool) {
         let is_param = |id: &&SymId| self.layer.shader.symbol(**id).kind == SymbolKind::Param;
         let fresh: Vec<SymId> =
@@ -103,6 +97,11 @@ fn plain(name: &str) -> &str {
 }
 
 impl Machine<'_> {
+    /// From now on, reports operations that read local variables which were never written.
+    pub fn check_reads_of_unwritten(&mut self) {
+        self.unwritten = Some(Box::new(Unwritten::new(self.plan)));
+    }
+
     /// Cells of argument `k` that a step touches, in its slot.
     fn touched(&self, step: &Step, k: usize) -> Range<usize> {
         let slot = &step.args[k];
