@@ -454,8 +454,7 @@ impl<'w> SurfacePoints<'w> {
                         None if name == "Cd" && k < 3 => mesh.colors.get(vertex).map(|color| color[k]),
                         _ => None,
                     };
-                    let slope =
-                        gradient(mesh, points.prim_id[i] as usize, of_vertex, |edge| (linear * edge).into());
+                    let slope = gradient(mesh, points.prim_id[i] as usize, of_vertex, |edge| linear * edge);
                     let slope = slope.unwrap_or(Vec3::ZERO).to_array();
                     (0..3).for_each(|c| values[(3 * k + c) * lanes + i] = slope[c]);
                 }
