@@ -140,7 +140,7 @@ impl OwnedVertices {
     }
 }
 
-/// Offers the hits of a ray with the halves of a patch: as [`BlockRay::meet`].
+/// Offers the hits of a ray with the halves of a patch: as `BlockRay::meet`.
 #[inline(always)]
 pub fn meet_patch<S: Simd, C: Collect>(
     simd: S,
