@@ -394,3 +394,18 @@ def test_the_working_space(tmp_path):
         assert np.allclose(np.asarray(gnurt.Picture(tmp_path / name)), np.asarray(picture), atol=1e-4)
     with pytest.raises(ValueError, match="working_space: .*valid.*rec709, acescg"):
         scene.render(8, 8, working_space="aces")
+
+
+def test_blue_noise_cancels_out_between_neighbours():
+    """Noise is the difference of two seeds; means of 4 x 4 pixels have less of it than of white noise."""
+    scene = gnurt.load("builtin:cornell")
+
+    def noise(kind):
+        pictures = (scene.render(64, 64, spp=1, seed=seed, max_depth=2, pixel_noise=kind) for seed in (1, 2))
+        first, second = (np.minimum(np.asarray(picture)[..., 0], 1) for picture in pictures)
+        difference = first - second
+        return np.square(difference.reshape(16, 4, 16, 4).mean(axis=(1, 3))).mean()
+
+    assert noise("blue") < 0.7 * noise("white")
+    with pytest.raises(ValueError, match="white, blue"):
+        scene.render(8, 8, spp=1, pixel_noise="pink")
