@@ -3,13 +3,12 @@
 //! are the command line's words.
 //! Tests: `tests::names_round_trip`, `tests::crops_are_clipped`.
 
-use std::fmt;
-use std::str::FromStr;
 use std::time::Duration;
 
 pub use gnurt_image::FilterShape as ReconstructionFilter;
 use gnurt_simd::Level;
 
+use crate::by_name::by_name;
 use crate::error::RenderError;
 use crate::expressions::{self, LightLayer};
 use crate::mattes::Mattes;
@@ -77,20 +76,7 @@ impl Integrator {
     }
 }
 
-impl fmt::Display for Integrator {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for Integrator {
-    type Err = UnknownIntegrator;
-
-    fn from_str(name: &str) -> Result<Self, UnknownIntegrator> {
-        let found = Self::ALL.into_iter().find(|integrator| integrator.name() == name);
-        found.ok_or_else(|| UnknownIntegrator(name.to_owned()))
-    }
-}
+by_name!(Integrator, UnknownIntegrator, "integrator");
 
 /// Whether paths are guided to where light was found by a pilot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -119,30 +105,7 @@ impl Guiding {
     }
 }
 
-impl FromStr for Guiding {
-    type Err = UnknownGuiding;
-
-    fn from_str(name: &str) -> Result<Self, UnknownGuiding> {
-        let found = Self::ALL.into_iter().find(|guiding| guiding.name() == name);
-        found.ok_or_else(|| UnknownGuiding(name.to_owned()))
-    }
-}
-
-/// A name that is none of [`Guiding::ALL`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown choice '{0}': expected {names}", names = Guiding::ALL.map(Guiding::name).join(", "))]
-pub struct UnknownGuiding(pub String);
-
-impl fmt::Display for Guiding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-/// A name that is none of [`Integrator::ALL`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown integrator '{0}': expected {names}", names = Integrator::ALL.map(Integrator::name).join(", "))]
-pub struct UnknownIntegrator(pub String);
+by_name!(Guiding, UnknownGuiding, "choice");
 
 /// Everything about a picture but the world and the camera.
 #[derive(Clone, Debug, PartialEq)]
@@ -362,6 +325,9 @@ mod tests {
     fn names_round_trip() {
         for integrator in Integrator::ALL {
             assert_eq!(integrator.to_string().parse(), Ok(integrator), "{integrator} comes back");
+        }
+        for noise in PixelNoise::ALL {
+            assert_eq!(noise.to_string().parse(), Ok(noise), "{noise} comes back");
         }
         let error = "witted".parse::<Integrator>().expect_err("no such integrator");
         assert_eq!(

@@ -102,9 +102,9 @@ impl Vec3s {
 /// Which sample of which pixel a lane belongs to: the key of its random numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SampleKey {
-    /// Pixel, row by row from the upper left one.
+    /// The sequence of random numbers: the pixel, row by row from the upper left one, or what the pixels of a square share.
     pub pixel: u32,
-    /// Sample within the pixel, from 0.
+    /// The place in the sequence: the sample within the pixel, from 0, behind those of other pixels that share it.
     pub sample: u32,
     /// Hash of the path so far (0 for camera rays), so that two branches draw different numbers. It must not depend
     /// on the sample, or the samples of a pixel lose their stratification.

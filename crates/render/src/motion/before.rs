@@ -11,9 +11,10 @@
 
 use std::sync::Arc;
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use gnurt_shading::CameraShader;
 
+use super::around::around;
 use super::lattice::Lattice;
 use super::surface_key::{Light, SurfaceKey};
 use super::surface_sample::SurfaceSample;
@@ -57,25 +58,15 @@ impl Before {
             return Light::default();
         }
         let (left, top) = (x as i32, y as i32);
-        let (right, below) = (x - left as f32, y - top as f32);
-        // Those beside the picture count as the nearest ones in it, and without weight.
-        let side = |at: i32, side: u32, share: f32| {
-            let before = if at == 0 { 0.0 } else { 1.0 - share };
-            let after = if at == side as i32 { 0.0 } else { share };
-            ([(at - 1).max(0) as usize, at.min(side as i32 - 1) as usize], [before, after])
-        };
-        let (columns, [left, right]) = side(left, width, right);
-        let (rows, [above, below]) = side(top, height, below);
-        let weights = Vec4::new(left * above, right * above, left * below, right * below);
-        let (above, below) = (rows[0] * width as usize, rows[1] * width as usize);
-        let at = [above + columns[0], above + columns[1], below + columns[0], below + columns[1]];
+        let beyond = [x - left as f32, y - top as f32];
+        let (at, weights) = around([left - 1, top - 1], beyond, [width, height]);
         let keys = [
             &self.surface_keys[at[0]],
             &self.surface_keys[at[1]],
             &self.surface_keys[at[2]],
             &self.surface_keys[at[3]],
         ];
-        let weights = sample.surface_key.agreeing(keys, weights, 1.5).to_array();
+        let weights = sample.surface_key.agreeing(keys, weights.into(), 1.5).to_array();
         let mut sum = Light::default();
         for (i, weight) in at.into_iter().zip(weights) {
             sum.add(&self.lights[i], weight);

@@ -4,6 +4,7 @@
 
 use glam::{Vec3, Vec4};
 
+use super::around::{around, bilinear};
 use super::surface_key::{Same, SurfaceKey};
 use super::texel::{Shown, Texel};
 
@@ -35,7 +36,8 @@ impl Earlier<'_> {
         if taps.iter().fold(0, |all, tap| all | differs(tap)) != 0 {
             return None;
         }
-        let shown = Shown::mean(taps, weights([x - left as f32, y - top as f32]), number);
+        let [right, below] = [x - left as f32, y - top as f32];
+        let shown = Shown::mean(taps, bilinear([1.0 - right, right], [1.0 - below, below]), number);
         is_on(shown.p(), key).then_some(shown)
     }
 
@@ -56,24 +58,11 @@ impl Earlier<'_> {
             return (Shown::default(), 0.0);
         }
         let (left, top) = (x.floor(), y.floor());
-        let [right, below] = [x - left, y - top];
-        // Those beside the picture count as the nearest ones in it, and without weight.
-        let side = |at: f32, side: u32, share: f32| {
-            let (first, last) = (at as i32, side as i32 - 1);
-            let before = if first < 0 { 0.0 } else { 1.0 - share };
-            let after = if first == last { 0.0 } else { share };
-            ([first.max(0) as usize, (first + 1).min(last) as usize], [before, after])
-        };
-        let (columns, [left, right]) = side(left, self.full[0], right);
-        let (rows, [above, below]) = side(top, self.full[1], below);
-        let weights = Vec4::new(left * above, right * above, left * below, right * below);
-        let (above, below) = (rows[0] * self.full[0] as usize, rows[1] * self.full[0] as usize);
-        let tap = |row: usize, column: usize| &self.texels[row + column];
-        let taps =
-            [tap(above, columns[0]), tap(above, columns[1]), tap(below, columns[0]), tap(below, columns[1])];
+        let (at, weights) = around([left as i32, top as i32], [x - left, y - top], self.full);
+        let taps = at.map(|i| &self.texels[i]);
         let number = key.number();
         let same = Vec4::from(taps.map(|tap| if tap.number() == number { 1.0 } else { 0.0 }));
-        let mut weights = weights * same;
+        let mut weights = Vec4::from(weights) * same;
         if key.is_surface() {
             let points = [taps[0].p(), taps[1].p(), taps[2].p(), taps[3].p()];
             let each = |k: usize| Vec4::new(points[0][k], points[1][k], points[2][k], points[3][k]);
@@ -92,12 +81,6 @@ impl Earlier<'_> {
         let is_inside = (0..2).all(|k| point[k] >= 0.0 && point[k] < self.full[k] as f32);
         is_inside.then(|| &self.texels[(point[1] as u32 * self.full[0] + point[0] as u32) as usize])
     }
-}
-
-/// Weights of the pixels left and right, above and below.
-#[inline(always)]
-fn weights([right, below]: [f32; 2]) -> [f32; 4] {
-    [(1.0 - right) * (1.0 - below), right * (1.0 - below), (1.0 - right) * below, right * below]
 }
 
 /// Whether a point of a thing with the same id is on the surface of a traced pixel beside it.

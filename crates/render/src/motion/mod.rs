@@ -7,6 +7,7 @@
 //! Source: see each file; the combination as [NSL*07] (reprojection), [DSHL10] (filter), [WKB*02] (light and
 //! surface apart).
 
+mod around;
 mod before;
 mod choose;
 mod earlier;
