@@ -174,9 +174,7 @@ impl Prepared<'_> {
         match &self.arrays {
             Arrays::Triangles(_, indices) => indices.len(),
             Arrays::Quads(_, indices) => indices.len(),
-            Arrays::Grids(_, grids) => {
-                grids.iter().map(|grid| grid.cells().iter().map(|&n| n as usize).product::<usize>()).sum()
-            }
+            Arrays::Grids(positions, grids) => Grids { positions, grids }.cells(),
             Arrays::Spheres(keys) => keys[0].1.len(),
             Arrays::Discs(keys) => keys[0].radii.len(),
             Arrays::Curves(keys) => keys[0].indices.len(),

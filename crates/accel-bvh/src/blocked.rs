@@ -268,36 +268,35 @@ impl<B: BlockKind> Blocked<B> {
         let for_nodes = NodeRay::new(simd, traversal.ray, *greatest);
         let ready = B::ready(simd, traversal.ray, *greatest);
         let (mut tested, mut waiting) = (0, B::Waiting::default());
-        if B::ANY_ORDER && matches!(traversal.kind, RayKind::Any) {
-            let visited = walk_any(
-                &Ahead { tree, blocks },
+        let (nodes, start, reach) = (Ahead { tree, blocks }, Child::node(0), traversal.reach());
+        // Two closures: one that both walks call could become a call.
+        let visited = if B::ANY_ORDER && matches!(traversal.kind, RayKind::Any) {
+            walk_any(
+                &nodes,
                 simd,
-                Child::node(0),
+                start,
                 &for_nodes,
-                traversal.reach(),
+                reach,
                 #[inline(always)]
                 |range| {
                     tested += B::meet_leaf(blocks, range, simd, &ready, shared, &mut waiting, traversal);
                     traversal.reach() != f32::NEG_INFINITY
                 },
-            );
-            tested += B::finish(blocks, &ready, shared, &mut waiting, traversal);
-            traversal.counters.nodes += u64::from(visited);
-            traversal.counters.triangles += tested;
-            return;
-        }
-        let visited = walk(
-            &Ahead { tree, blocks },
-            simd,
-            Child::node(0),
-            &for_nodes,
-            traversal.reach(),
-            #[inline(always)]
-            |range| {
-                tested += B::meet_leaf(blocks, range, simd, &ready, shared, &mut waiting, traversal);
-                traversal.reach()
-            },
-        );
+            )
+        } else {
+            walk(
+                &nodes,
+                simd,
+                start,
+                &for_nodes,
+                reach,
+                #[inline(always)]
+                |range| {
+                    tested += B::meet_leaf(blocks, range, simd, &ready, shared, &mut waiting, traversal);
+                    traversal.reach()
+                },
+            )
+        };
         tested += B::finish(blocks, &ready, shared, &mut waiting, traversal);
         traversal.counters.nodes += u64::from(visited);
         traversal.counters.triangles += tested;

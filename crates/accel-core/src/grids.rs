@@ -48,7 +48,8 @@ impl Grid {
 
 impl Grids<'_> {
     /// How many cells there are.
-    pub(crate) fn cells(&self) -> usize {
+    #[must_use]
+    pub fn cells(&self) -> usize {
         let cells = |grid: &Grid| grid.cells().iter().map(|&n| n as usize).product::<usize>();
         self.grids.iter().map(cells).sum()
     }

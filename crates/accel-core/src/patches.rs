@@ -100,9 +100,9 @@ impl Grids<'_> {
 /// Floats of a row of three vertices, and others behind them.
 pub type Row = [f32; 16];
 
-/// Owned vertices of grids: `3 * PAD` floats more, so that each row can be read whole.
-#[derive(Clone, Debug, Default)]
-pub struct OwnedVertices(pub Vec<[f32; 3]>);
+/// Owned vertices of grids, and [`PAD`] more, so that each row can be read whole.
+#[derive(Clone, Debug)]
+pub struct OwnedVertices(Vec<[f32; 3]>);
 
 /// Vertices behind the last.
 const PAD: usize = 5;
@@ -114,6 +114,18 @@ impl OwnedVertices {
         all.extend_from_slice(positions);
         all.extend([[0.0; 3]; PAD]);
         Self(all)
+    }
+
+    /// The vertices that were copied.
+    #[must_use]
+    pub fn given(&self) -> &[[f32; 3]] {
+        &self.0[..self.0.len() - PAD]
+    }
+
+    /// Bytes of it.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.0[..])
     }
 
     /// The rows of a patch; zeros where there is none, of which no half is made.
@@ -133,7 +145,7 @@ impl OwnedVertices {
         (0..HALVES).filter(|half| halves >> half & 1 != 0).all(|half| {
             CORNERS[half].iter().all(|&corner| {
                 let at = u64::from(vertex) + (corner / 3) as u64 * u64::from(stride) + (corner % 3) as u64;
-                let point = usize::try_from(at).ok().and_then(|at| self.0.get(at));
+                let point = usize::try_from(at).ok().and_then(|at| self.given().get(at));
                 point.is_some_and(|p| p.iter().all(|x| x.abs() <= crate::LARGEST_COORDINATE))
             })
         })

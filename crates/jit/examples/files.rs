@@ -3,11 +3,13 @@
 //!
 //! `cargo run --release -p gnurt-jit --example files -- FILE.osl...`
 
+mod common;
+
 use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
 
+use common::{batches, time};
 use gnurt_jit::{Compiled, Lanes};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{ClosureDecl, Host, Plan, PlanOptions, Point, Points, standard_closures};
@@ -15,6 +17,9 @@ use gnurt_sl::group::Group;
 use gnurt_sl::{Options, compile};
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::color::ColorSystem;
+
+/// Points of a run.
+const COUNT: usize = 256;
 
 struct World(ColorSystem);
 
@@ -37,7 +42,7 @@ impl Host for World {
 }
 
 /// Points of a wall of two units, seen from in front.
-fn batches() -> Vec<Points> {
+fn points() -> Vec<Points> {
     let x = |k: usize, s: f32| (k as f32 * s).fract();
     let point = |k: usize| {
         let (u, v) = (x(k, 0.618_034), x(k, 0.414_214));
@@ -60,12 +65,7 @@ fn batches() -> Vec<Points> {
             ..Point::default()
         }
     };
-    let batch = |first: usize| {
-        let mut points = Points { count: 16, ..Points::default() };
-        (0..16).for_each(|lane| points.set(lane, &point(first + lane)));
-        points
-    };
-    (0..256).step_by(16).map(batch).collect()
+    batches(&(0..COUNT).map(point).collect::<Vec<_>>(), 16)
 }
 
 fn plan(path: &str) -> Result<Arc<Plan>, String> {
@@ -80,22 +80,11 @@ fn plan(path: &str) -> Result<Arc<Plan>, String> {
     Plan::new(&group, &PlanOptions { drops_outputs: true, ..PlanOptions::default() }).map(Arc::new)
 }
 
-/// The least time of some tries, in ns a point.
-fn time(mut run: impl FnMut()) -> f64 {
-    run();
-    let tries = (0..15).map(|_| {
-        let start = Instant::now();
-        run();
-        start.elapsed().as_secs_f64() * 1e9 / 256.0
-    });
-    tries.fold(f64::INFINITY, f64::min)
-}
-
 fn main() -> Result<(), String> {
     let mut out = std::io::stdout().lock();
     let world = World(ColorSystem::named("Rec709").ok_or("no colours")?);
     let levels: Vec<Level> = Level::available().into_iter().filter(|&l| Compiled::can(l)).collect();
-    let batches = batches();
+    let batches = points();
     for path in std::env::args().skip(1) {
         let plan = plan(&path).map_err(|why| format!("{path}: {why}"))?;
         let name =
@@ -105,7 +94,7 @@ fn main() -> Result<(), String> {
             match Compiled::new(plan.clone(), level) {
                 Ok(code) => {
                     let mut lanes = Lanes::new(&code, &world);
-                    let each = time(|| batches.iter().for_each(|points| lanes.run(points)));
+                    let each = time(COUNT, || batches.iter().for_each(|points| lanes.run(points)));
                     let _ = write!(out, " {level} {each:.1}");
                 }
                 Err(why) => {

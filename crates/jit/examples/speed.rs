@@ -3,9 +3,12 @@
 //!
 //! `cargo run --release -p gnurt-jit --example speed`
 
+mod common;
+
+use common::{batches, time};
 use gnurt_jit::{Compiled, Lanes};
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Host, Machine, Plan, PlanOptions, Point, Points};
+use gnurt_sl::exec::{Host, Machine, Plan, PlanOptions, Point};
 use gnurt_sl::group::Group;
 use gnurt_sl::{Options, compile};
 use gnurt_sl_lib::Dual;
@@ -131,26 +134,6 @@ fn points(count: usize) -> Vec<Point> {
             ..Point::default()
         })
         .collect()
-}
-
-fn batches(list: &[Point], lanes: usize) -> Vec<Points> {
-    let batch = |list: &[Point]| {
-        let mut points = Points { count: list.len(), ..Points::default() };
-        list.iter().enumerate().for_each(|(lane, point)| points.set(lane, point));
-        points
-    };
-    list.chunks(lanes).map(batch).collect()
-}
-
-/// The least time of some tries, in ns a point.
-fn time(count: usize, mut run: impl FnMut()) -> f64 {
-    run();
-    let tries = (0..15).map(|_| {
-        let start = Instant::now();
-        run();
-        start.elapsed().as_secs_f64() * 1e9 / count as f64
-    });
-    tries.fold(f64::INFINITY, f64::min)
 }
 
 /// Lines such as materials have.

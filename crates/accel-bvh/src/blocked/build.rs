@@ -41,15 +41,16 @@ impl<'a> Inputs<'a> {
         self.own().map(|(i, _)| self.numbering.range(i).len() as u64).sum()
     }
 
-    /// All items of the kind, with ascending numbers, where each primitive can be traced.
-    fn several<B: BlockKind>(&self) -> Result<Vec<(u32, B::Item)>, RefitError> {
-        let (mut items, mut primitives) = (Vec::new(), 0);
-        for (i, geometry) in self.own().filter(|(_, geometry)| B::is_kind_of(&geometry.kind)) {
-            let (numbers, bad) = (self.numbering.range(i), &mut BadPrimitives::default());
-            let mut keep = |prim_id, item| items.push((numbers.start + prim_id, item));
-            primitives += B::all_items(&geometry.kind, numbers.len() as u32, bad, &mut keep);
+    /// Calls `each` with all items and the numbers of the first primitives in them, which ascend; untraceable primitives are
+    /// counted. Returns how many primitives can be traced.
+    fn all_items<B: BlockKind>(&self, bad: &mut BadPrimitives, mut each: impl FnMut(u32, B::Item)) -> u64 {
+        let mut primitives = 0;
+        for (i, geometry) in self.own() {
+            let numbers = self.numbering.range(i);
+            let mut own = |prim_id, item| each(numbers.start + prim_id, item);
+            primitives += B::all_items(&geometry.kind, numbers.len() as u32, bad, &mut own);
         }
-        if primitives == self.count() { Ok(items) } else { Err(RefitError::OtherPrimitives) }
+        primitives
     }
 
     pub(crate) fn shared<B: BlockKind>(&self) -> Shared<B> {
@@ -91,14 +92,10 @@ impl<B: BlockKind> Blocked<B> {
         let mut gathered =
             Gathered::<B> { items: Vec::with_capacity(most), numbers: Vec::with_capacity(most) };
         prefer_huge_pages(&gathered.items);
-        let mut primitives = 0;
-        for (i, geometry) in inputs.own() {
-            let numbers = inputs.numbering.range(i);
-            primitives += B::all_items(&geometry.kind, numbers.len() as u32, bad, &mut |prim_id, item| {
-                gathered.items.push(item);
-                gathered.numbers.push(numbers.start + prim_id);
-            });
-        }
+        let primitives = inputs.all_items::<B>(bad, |number, item| {
+            gathered.items.push(item);
+            gathered.numbers.push(number);
+        });
         let mut tree = build(&gathered, quality, threads)?;
         tree.settle(memory);
         let mut stats = tree.measure();
@@ -126,7 +123,13 @@ impl<B: BlockKind> Blocked<B> {
             return Err(RefitError::OtherPrimitives);
         }
         self.shared = inputs.shared();
-        let several = if B::IN_LANE > 1 { inputs.several::<B>()? } else { Vec::new() };
+        let mut several = Vec::new();
+        if B::IN_LANE > 1 {
+            let keep = |number, item| several.push((number, item));
+            if inputs.all_items::<B>(&mut BadPrimitives::default(), keep) != inputs.count() {
+                return Err(RefitError::OtherPrimitives);
+            }
+        }
         let fit = |block: &mut B| {
             let mut items = [const { None }; WIDTH];
             for (lane, number) in lanes(block) {

@@ -14,16 +14,16 @@ use crate::node::WIDTH;
 
 impl BlockData for Arc<OwnedVertices> {
     fn memory_bytes(&self) -> usize {
-        size_of_val(&self.0[..])
+        OwnedVertices::memory_bytes(self)
     }
 
     fn save(&self, writer: &mut Writer<'_, impl Write>) -> io::Result<()> {
-        writer.list(self.0.as_flattened())
+        writer.list(self.given().as_flattened())
     }
 
     fn load(reader: &mut Reader<'_, impl Read>) -> Result<Self, LoadError> {
         let floats: Vec<f32> = reader.list(u32::MAX as usize)?;
-        Ok(Self::new(OwnedVertices(floats.as_chunks().0.to_vec())))
+        Ok(Self::new(OwnedVertices::new(floats.as_chunks().0)))
     }
 }
 
