@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The built-in denoiser: a regression of scattered light, without albedo and fireflies, on the features of
+//! The built-in denoiser: a regression of direct and of indirect light, without albedo and fireflies, on the features of
 //! camera rays' hits, in two passes.
 //! Source: \[BRM*16\], with weights from sampled variances instead of two half pictures. The second pass
 //! reaches three times as far, on the result of the first: it removes blotches, as the coarser scales of
 //! \[DSHL10\]'s wavelets do.
 //!
 //! ```text
-//! radiance --+- seen directly -----------------------------------------------------------------------+
-//! emission --+                                                                                       +
-//!            +- scattered / albedo -+- rare bright samples ---------------------- given back, wide --+--> sum
-//!                                   +- the rest --> near fits --> wide fits --> what stands out -----+
+//! radiance --+- seen directly ------------------------------------------------------------------+
+//! emission --+                                                                                  +
+//!            +- direct / albedo ----+- the rest --> near fits --> wide fits --> what stands out +--> sum
+//!            +- indirect / albedo --+- rare bright samples ------------- given back, wide ------+
 //! ```
 //! Invariants: finite and not negative for any input; the same bits on any number of threads and any
 //! processor.
@@ -19,7 +19,7 @@ use gnurt_simd::Level;
 
 use crate::details;
 use crate::explain::{Explained, Layers};
-use crate::light::Light;
+use crate::light::{Light, Part};
 use crate::noisy::{Noisy, Triple};
 use crate::outliers::Outliers;
 use crate::patches::Reach;
@@ -46,46 +46,65 @@ pub(crate) fn filter(
     pool: &rayon::ThreadPool,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Triple>> {
-    let level = Level::default();
     pool.install(|| {
-        let (width, height) = (noisy.width, noisy.height);
-        let Light { direct, divisor, mut color, mut variance } = Light::of(noisy);
-        let is_known = variance.iter().any(|v| *v != [0.0; 3]);
-        let outliers = Outliers::take(width, &noisy.normal, &mut color, &mut variance);
-        if !is_known {
-            variance = variance::spatial(&color, width, height);
-        }
-        let mut smooth = variance::smooth(&variance, (&noisy.normal, &outliers.rare), width);
-        let unsure = |(v, _): (&mut Triple, &bool)| *v = v.map(|v| v * HEAVY);
-        smooth.iter_mut().zip(&outliers.rare).filter(|(_, rare)| **rare).for_each(unsure);
-        let layers = Layers { noisy, color: &color, variance: &smooth };
-        let [mut near, other] = NEAR.map(|reach| Explained::of(level, &layers, reach, stop));
-        near.as_mut()?.average(&other?);
-        let near = near?;
-        let left: Vec<Triple> = smooth
-            .iter()
-            .zip(&near.support)
-            .map(|(variance, support)| variance.map(|v| v * LEFT / support.max(1.0)))
-            .collect();
-        let layers = Layers { noisy, color: &near.color, variance: &left };
-        let wide = Explained::of(level, &layers, WIDE, stop)?;
-        let mut clean = near.color;
-        for (p, clean) in clean.iter_mut().enumerate() {
-            let share = (wide.support[p] / FEW).min(1.0);
-            for (clean, wide) in clean.iter_mut().zip(wide.color[p]) {
-                *clean += (wide - *clean) * share;
-            }
-        }
-        outliers.give_back(width, &divisor, &mut clean);
-        if is_known {
-            details::bring_back(width, &color, &variance, (&smooth, &outliers.rare), &mut clean);
+        let Light { unscattered, divisor, parts } = Light::of(noisy);
+        let mut clean = vec![[0.0; 3]; unscattered.len()];
+        for part in parts.into_iter().filter(|part| !part.is_black()) {
+            let part = without_noise(noisy, &divisor, part, stop)?;
+            clean
+                .as_flattened_mut()
+                .iter_mut()
+                .zip(part.as_flattened())
+                .for_each(|(sum, part)| *sum += part.max(0.0));
         }
         let whole = |(p, light): (usize, &Triple)| {
             [0, 1, 2].map(|k| {
-                let color = light[k].max(0.0) * divisor[p][k] + direct[p][k];
+                let color = light[k] * divisor[p][k] + unscattered[p][k];
                 if color.is_finite() { color.max(0.0) } else { noisy.color[p][k].max(0.0) }
             })
         };
         Some(clean.iter().enumerate().map(whole).collect())
     })
+}
+
+/// A part of the scattered light, divided, without noise.
+fn without_noise(
+    noisy: &Noisy,
+    divisor: &[Triple],
+    part: Part,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Triple>> {
+    let (level, width, height) = (Level::default(), noisy.width, noisy.height);
+    let Part { mut color, mut variance } = part;
+    let is_known = variance.iter().any(|v| *v != [0.0; 3]);
+    let outliers = Outliers::take(width, &noisy.normal, &mut color, &mut variance);
+    if !is_known {
+        variance = variance::spatial(&color, width, height);
+    }
+    let mut smooth = variance::smooth(&variance, (&noisy.normal, &outliers.rare), width);
+    let unsure = |(v, _): (&mut Triple, &bool)| *v = v.map(|v| v * HEAVY);
+    smooth.iter_mut().zip(&outliers.rare).filter(|(_, rare)| **rare).for_each(unsure);
+    let layers = Layers { noisy, color: &color, variance: &smooth };
+    let [mut near, other] = NEAR.map(|reach| Explained::of(level, &layers, reach, stop));
+    near.as_mut()?.average(&other?);
+    let near = near?;
+    let left: Vec<Triple> = smooth
+        .iter()
+        .zip(&near.support)
+        .map(|(variance, support)| variance.map(|v| v * LEFT / support.max(1.0)))
+        .collect();
+    let layers = Layers { noisy, color: &near.color, variance: &left };
+    let wide = Explained::of(level, &layers, WIDE, stop)?;
+    let mut clean = near.color;
+    for (p, clean) in clean.iter_mut().enumerate() {
+        let share = (wide.support[p] / FEW).min(1.0);
+        for (clean, wide) in clean.iter_mut().zip(wide.color[p]) {
+            *clean += (wide - *clean) * share;
+        }
+    }
+    outliers.give_back(width, divisor, &mut clean);
+    if is_known {
+        details::bring_back(width, &color, &variance, (&smooth, &outliers.rare), &mut clean);
+    }
+    Some(clean)
 }

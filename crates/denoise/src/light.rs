@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Decomposition of a picture's colours: directly visible light of lights and environment, which needs no
-//! filter, and scattered light, divided by the albedo. Division by albedo as in \[BRM*16\]'s successors,
+//! filter, direct light of surfaces, with the edges of shadows, and smooth indirect light with its rare samples; both
+//! are divided by the albedo. Division by albedo as in \[BRM*16\]'s successors,
 //! softened so that gloss on dark surfaces stays gloss.
-//! Invariant: `color * divisor + direct` is the picture, except for stray light that moved within a few
+//! Invariant: `(direct + rest) * divisor + unscattered` is the picture, except for stray light that moved within a few
 //! pixels; nothing here is negative. Tests: `tests`, crates/denoise/tests/filter.rs.
 
 use crate::noisy::{Noisy, Seen, Triple};
@@ -19,35 +20,47 @@ const SHARED: usize = 3;
 
 /// The parts of a picture's light.
 pub(crate) struct Light {
-    /// Seen directly.
-    pub(crate) direct: Vec<Triple>,
+    /// Directly visible.
+    pub(crate) unscattered: Vec<Triple>,
     /// The divisor of scattered light.
     pub(crate) divisor: Vec<Triple>,
-    /// Scattered light, divided.
+    /// Direct light, black if it is not known, and all other scattered light.
+    pub(crate) parts: [Part; 2],
+}
+
+/// A part of the scattered light, divided.
+pub(crate) struct Part {
     pub(crate) color: Vec<Triple>,
-    /// Variance of that.
     pub(crate) variance: Vec<Triple>,
+}
+
+impl Part {
+    fn black(pixels: usize) -> Self {
+        Self { color: vec![[0.0; 3]; pixels], variance: vec![[0.0; 3]; pixels] }
+    }
+
+    pub(crate) fn is_black(&self) -> bool {
+        self.color.iter().all(|color| *color == [0.0; 3])
+    }
 }
 
 impl Light {
     pub(crate) fn of(noisy: &Noisy) -> Self {
         let pixels = noisy.color.len();
         let mut light = Self {
-            direct: Vec::with_capacity(pixels),
+            unscattered: Vec::with_capacity(pixels),
             divisor: noisy.albedo.iter().map(divisor).collect(),
-            color: Vec::with_capacity(pixels),
-            variance: Vec::with_capacity(pixels),
+            parts: [0, 1].map(|_| Part::black(pixels)),
         };
         if let Some(seen) = &noisy.seen {
             light.take_seen(noisy, seen);
             return light;
         }
         for p in 0..pixels {
-            let (color, by) = (noisy.color[p], light.divisor[p]);
+            let color = noisy.color[p];
             let scattered = [0, 1, 2].map(|k| (color[k].max(0.0) - noisy.emission[p][k].max(0.0)).max(0.0));
-            light.direct.push([0, 1, 2].map(|k| color[k].max(0.0) - scattered[k]));
-            light.color.push([0, 1, 2].map(|k| scattered[k] / by[k]));
-            light.variance.push([0, 1, 2].map(|k| noisy.variance[p][k].max(0.0) / (by[k] * by[k])));
+            light.unscattered.push([0, 1, 2].map(|k| color[k].max(0.0) - scattered[k]));
+            light.set(1, p, scattered, noisy.variance[p]);
         }
         if noisy.emission.iter().any(|e| mean(e) > 0.0) {
             light.take_variance_from_beside(noisy);
@@ -56,13 +69,21 @@ impl Light {
         light
     }
 
+    /// Sets pixel `p` of a part.
+    fn set(&mut self, part: usize, p: usize, color: Triple, variance: Triple) {
+        let by = self.divisor[p];
+        self.parts[part].color[p] = [0, 1, 2].map(|k| color[k] / by[k]);
+        self.parts[part].variance[p] = [0, 1, 2].map(|k| variance[k].max(0.0) / (by[k] * by[k]));
+    }
+
     /// The parts where it is known what mirrors and glass show.
     fn take_seen(&mut self, noisy: &Noisy, seen: &Seen) {
         for (p, color) in noisy.color.iter().enumerate() {
-            let by = self.divisor[p];
-            self.direct.push(seen.split[p].map(|x| x.max(0.0)));
-            self.color.push([0, 1, 2].map(|k| (color[k] - seen.light[p][k]).max(0.0) / by[k]));
-            self.variance.push([0, 1, 2].map(|k| seen.variance[p][k].max(0.0) / (by[k] * by[k])));
+            let direct = seen.direct[p];
+            let rest = [0, 1, 2].map(|k| (color[k] - seen.light[p][k] - direct[k]).max(0.0));
+            self.unscattered.push(seen.split[p].map(|x| x.max(0.0)));
+            self.set(0, p, direct.map(|x| x.max(0.0)), seen.variances[0][p]);
+            self.set(1, p, rest, seen.variances[1][p]);
         }
         self.share_stray_light(noisy, &seen.split);
     }
@@ -70,17 +91,18 @@ impl Light {
     /// Where lights are visible, the variance is mostly that of their visible share: scattered light has that
     /// of neighbouring pixels.
     fn take_variance_from_beside(&mut self, noisy: &Noisy) {
-        let before = self.variance.clone();
+        let Part { color, variance } = &mut self.parts[1];
+        let before = variance.clone();
         for p in (0..before.len()).filter(|&p| mean(&noisy.emission[p]) > 0.0) {
             let (mut sum, mut count) = ([0.0; 3], 0.0);
             for q in around(noisy, p, 2).filter(|&q| mean(&noisy.emission[q]) <= 0.0) {
                 (0..3).for_each(|k| sum[k] += before[q][k]);
                 count += 1.0;
             }
-            self.variance[p] = if count > 0.0 {
+            variance[p] = if count > 0.0 {
                 sum.map(|x| x / count)
             } else {
-                [0, 1, 2].map(|k| before[p][k].min(self.color[p][k] * self.color[p][k]))
+                [0, 1, 2].map(|k| before[p][k].min(color[p][k] * color[p][k]))
             };
         }
     }
@@ -97,11 +119,11 @@ impl Light {
             let unsure = (mean(&noisy.variance[p]) / (emission * emission).max(1e-30) - HARDLY_SEEN) / 0.3;
             let rest = (mean(&noisy.color[p]) - emission).max(emission * 1e-6);
             let share = unsure.clamp(0.0, 1.0) * (emission / rest - MATTERS).clamp(0.0, 1.0);
-            (share > 0.0).then(|| (p, self.direct[p].map(|x| x * share)))
+            (share > 0.0).then(|| (p, self.unscattered[p].map(|x| x * share)))
         };
-        let stray: Vec<(usize, Triple)> = (0..self.direct.len()).filter_map(stray).collect();
+        let stray: Vec<(usize, Triple)> = (0..self.unscattered.len()).filter_map(stray).collect();
         for (p, taken) in &stray {
-            (0..3).for_each(|k| self.direct[*p][k] -= taken[k]);
+            (0..3).for_each(|k| self.unscattered[*p][k] -= taken[k]);
         }
         let mut shares = Vec::new();
         for (p, taken) in &stray {
@@ -123,7 +145,7 @@ impl Light {
             }
             let all: f32 = shares.iter().map(|(_, share)| share).sum();
             for (q, share) in &shares {
-                (0..3).for_each(|k| self.direct[*q][k] += taken[k] * (share / all));
+                (0..3).for_each(|k| self.unscattered[*q][k] += taken[k] * (share / all));
             }
         }
     }
@@ -195,7 +217,7 @@ mod tests {
     fn parts_make_up_the_picture() {
         let noisy = is_emitter();
         let light = Light::of(&noisy);
-        let whole = |p: usize| light.color[p][1] * light.divisor[p][1] + light.direct[p][1];
+        let whole = |p: usize| light.parts[1].color[p][1] * light.divisor[p][1] + light.unscattered[p][1];
         let [mut before, mut after] = [0.0, 0.0];
         for (p, color) in noisy.color.iter().enumerate() {
             before += color[1];
@@ -211,7 +233,7 @@ mod tests {
     fn a_lamp_met_by_chance_is_shared_along_its_edge() {
         let noisy = is_emitter();
         let light = Light::of(&noisy);
-        let edge: Vec<f32> = (0..noisy.height).map(|y| light.direct[y * noisy.width + 4][0]).collect();
+        let edge: Vec<f32> = (0..noisy.height).map(|y| light.unscattered[y * noisy.width + 4][0]).collect();
         let most = edge.iter().fold(0.0f32, |a, &b| a.max(b));
         assert!(most < 0.75 * 17.0 / 16.0, "no pixel keeps most of it: {edge:?}");
         assert!(edge[2..10].iter().all(|&x| x > 0.1), "those between get their share: {edge:?}");
@@ -223,7 +245,7 @@ mod tests {
         let light = Light::of(&noisy);
         let surface = (light.divisor[0][0]).powi(2);
         for y in 0..noisy.height {
-            let of_edge = light.variance[y * noisy.width + 4][0] * surface;
+            let of_edge = light.parts[1].variance[y * noisy.width + 4][0] * surface;
             assert!(of_edge < 2e-3 || y % 3 != 0, "row {y}: {of_edge} where the wall beside has 0.001");
         }
     }

@@ -9,6 +9,10 @@ use crate::error::Error;
 /// Three values.
 pub(crate) type Triple = [f32; 3];
 
+/// The layers of light behind mirrors and smooth glass.
+const SEEN: [&str; 5] =
+    ["seen_light", "seen_split", "seen_direct", "seen_direct_variance", "seen_indirect_variance"];
+
 /// A part of a picture, row by row.
 pub(crate) struct Noisy {
     pub(crate) width: usize,
@@ -32,8 +36,10 @@ pub(crate) struct Seen {
     /// As it is in the colours, and with less noise.
     pub(crate) light: Vec<Triple>,
     pub(crate) split: Vec<Triple>,
-    /// Of the means of all other light.
-    pub(crate) variance: Vec<Triple>,
+    /// Direct light of the surfaces that are seen.
+    pub(crate) direct: Vec<Triple>,
+    /// Of the means of direct light, and of all other light.
+    pub(crate) variances: [Vec<Triple>; 2],
 }
 
 impl Noisy {
@@ -66,12 +72,13 @@ impl Noisy {
         let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);
         let is_seen = |name: &str| picture.layer(name).is_some();
         let first = |seen: &'static str, own: &'static str| if is_seen(seen) { seen } else { own };
-        let is_known = ["seen_light", "seen_split", "seen_variance"].into_iter().all(is_seen);
+        let is_known = SEEN.into_iter().all(is_seen);
         let seen = is_known.then(|| -> Result<Seen, Error> {
             Ok(Seen {
                 light: layer("seen_light", rgb)?,
                 split: layer("seen_split", rgb)?,
-                variance: layer("seen_variance", rgb)?,
+                direct: layer("seen_direct", rgb)?,
+                variances: [layer("seen_direct_variance", rgb)?, layer("seen_indirect_variance", rgb)?],
             })
         });
         Ok(Self {

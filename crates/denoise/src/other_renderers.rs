@@ -177,7 +177,7 @@ fn add_variance(picture: &mut Picture, told: &mut Vec<String>) {
     // What is missing is reported by the filter.
     let Ok(noisy) = noisy else { return };
     let light = Light::of(&noisy);
-    let estimate = estimated(&light.color, width, height);
+    let estimate = estimated(&light.parts[1].color, width, height);
     let plane = |k: usize| estimate.iter().zip(&light.divisor).map(|(v, by)| v[k] * by[k] * by[k]).collect();
     picture.layers.push(Layer::floats("variance", [("R", plane(0)), ("G", plane(1)), ("B", plane(2))]));
     told.push("variance estimated from pixels beside each other".into());

@@ -100,7 +100,9 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm], grid: PixelG
             seen("seen_N", xyz, &|seen, _, i| seen.mean(i, &seen.normal)),
             seen("seen_light", rgb, &|seen, tile, i| means(&seen.light[i], tile)),
             seen("seen_split", rgb, &|seen, _, i| seen.mean(i, &seen.split)),
-            seen("seen_variance", rgb, &|seen, tile, i| seen.variance(i, tile.samples)),
+            seen("seen_direct", rgb, &|seen, tile, i| means(&seen.direct()[i], tile)),
+            seen("seen_direct_variance", rgb, &|seen, tile, i| seen.variances(i, tile.samples)[0]),
+            seen("seen_indirect_variance", rgb, &|seen, tile, i| seen.variances(i, tile.samples)[1]),
             seen("seen_P", xyz, &|seen, _, i| seen.first[i].position.into()),
             Layer::floats("seen_depth", [("Z", plane(&|_, aovs, i| seen_hit(aovs, i).depth, f32::INFINITY))]),
             Layer::ids(

@@ -26,6 +26,7 @@ use crate::held::Held;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
 use crate::pixel_order::PixelOrder;
+use crate::seen::SeenLight;
 use crate::stats::RenderStats;
 use crate::transport::{Blockers, Through, Wavefront};
 use crate::world::{HitLanes, World};
@@ -88,8 +89,8 @@ pub(crate) struct BatchTracer<'w> {
     /// Directly visible light, lane by lane; empty if it is not requested, or if the integrator does not
     /// provide it.
     pub(crate) direct: Vec3s,
-    /// The same with that behind smooth surfaces only; empty if it is not requested, or not known.
-    pub(crate) seen: Vec3s,
+    /// What layers for denoisers need of the light; empty if it is not requested, or not known.
+    pub(crate) seen: SeenLight,
     /// Lanes of the camera whose light a medium scattered before it met a surface; empty if there are no media.
     pub(crate) veiled: Vec<bool>,
     /// What lanes of the camera see of holes; empty if the world has none.
@@ -150,7 +151,7 @@ impl<'w> BatchTracer<'w> {
             properties: None,
             record,
             direct: Vec3s::default(),
-            seen: Vec3s::default(),
+            seen: SeenLight::default(),
             veiled: Vec::new(),
             held: Vec::new(),
             spare: Vec::new(),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A frame with the light of its window: the weighted mean of the light of its points in other frames, and
 //! the variance of that. Light is without albedo, so that textures stay sharp. Where a pixel's points do not move,
-//! albedo, normal and direct light are means, too: edges stand still.
+//! albedo, normal and directly visible light are means, too: edges stand still.
 //! Tests: `tests/film.rs`.
 
 use gnurt_image::{Layer, Picture};
@@ -19,11 +19,26 @@ const TOGETHER: f32 = 0.1;
 /// Less of a pixel is too little to borrow from.
 const LEAST: f32 = 0.25;
 
+/// A part of the light, and its variance.
+#[derive(Clone, Copy, Default)]
+struct Measured {
+    light: Triple,
+    variance: Triple,
+}
+
+impl Measured {
+    fn over(&self, weight: f32) -> Self {
+        Self {
+            light: self.light.map(|x| x / weight),
+            variance: self.variance.map(|x| x / (weight * weight)),
+        }
+    }
+}
+
 /// What a pixel borrows from another frame.
 #[derive(Clone, Copy, Default)]
 struct Tap {
-    light: Triple,
-    variance: Triple,
+    parts: [Measured; 2],
     /// The pixel there if the point has not moved.
     still: Option<usize>,
     is_found: bool,
@@ -32,10 +47,9 @@ struct Tap {
 /// Sums of a pixel.
 #[derive(Clone, Copy)]
 struct Sum {
-    light: Triple,
-    variance: Triple,
-    weight: f32,
-    direct: Triple,
+    parts: [Measured; 2],
+    weights: [f32; 2],
+    unscattered: Triple,
     albedo: Triple,
     normal: Triple,
     count: f32,
@@ -46,10 +60,9 @@ pub(super) fn gather(window: &[&FilmFrame], at: usize) -> Picture {
     let own = window[at];
     let mut sums: Vec<Sum> = (0..own.id.len())
         .map(|p| Sum {
-            light: own.light.color[p],
-            variance: own.light.variance[p],
-            weight: 1.0,
-            direct: own.light.direct[p],
+            parts: measured(own, p),
+            weights: [1.0; 2],
+            unscattered: own.light.unscattered[p],
             albedo: own.noisy.albedo[p],
             normal: own.noisy.normal[p],
             count: 1.0,
@@ -71,38 +84,51 @@ pub(super) fn gather(window: &[&FilmFrame], at: usize) -> Picture {
 
 fn borrow(sums: &mut [Sum], own: &FilmFrame, other: &FilmFrame, tracks: &Tracks) {
     let taps: Vec<Tap> = (0..sums.len()).into_par_iter().map(|p| tap(p, own, other, tracks)).collect();
-    let pair = |(p, tap): (usize, &Tap)| {
-        if !tap.is_found {
-            return Pair::default();
-        }
-        let (light, variance) = (&own.light.color[p], &own.light.variance[p]);
-        Pair {
-            difference: [0, 1, 2].map(|k| tap.light[k] - light[k]),
-            variance: [0, 1, 2].map(|k| tap.variance[k] + variance[k]),
-            own: *variance,
-            count: 1.0,
-        }
-    };
-    let pairs: Vec<Pair> = taps.iter().enumerate().map(pair).collect();
-    let weights = weights(&pairs, own.width);
+    let weights = [0, 1].map(|part| {
+        let pair = |(p, tap): (usize, &Tap)| {
+            if !tap.is_found {
+                return Pair::default();
+            }
+            let (here, there) = (measured(own, p)[part], tap.parts[part]);
+            Pair {
+                difference: [0, 1, 2].map(|k| there.light[k] - here.light[k]),
+                variance: [0, 1, 2].map(|k| there.variance[k] + here.variance[k]),
+                own: here.variance,
+                count: 1.0,
+            }
+        };
+        let pairs: Vec<Pair> = taps.iter().enumerate().map(pair).collect();
+        weights(&pairs, own.width)
+    });
     sums.par_iter_mut().enumerate().for_each(|(p, sum)| {
-        let (tap, weight) = (&taps[p], weights[p]);
+        let tap = &taps[p];
         if !tap.is_found {
             return;
         }
-        for k in 0..3 {
-            sum.light[k] += weight * tap.light[k];
-            sum.variance[k] += weight * weight * tap.variance[k];
+        for part in [0, 1] {
+            let weight = weights[part][p];
+            add(&mut sum.parts[part], &tap.parts[part], weight);
+            sum.weights[part] += weight;
         }
-        sum.weight += weight;
         let Some(q) = tap.still.filter(|_| is_unchanged(own, other, p)) else { return };
         for k in 0..3 {
-            sum.direct[k] += other.light.direct[q][k];
+            sum.unscattered[k] += other.light.unscattered[q][k];
             sum.albedo[k] += other.noisy.albedo[q][k];
             sum.normal[k] += other.noisy.normal[q][k];
         }
         sum.count += 1.0;
     });
+}
+
+fn measured(frame: &FilmFrame, p: usize) -> [Measured; 2] {
+    frame.light.parts.each_ref().map(|part| Measured { light: part.color[p], variance: part.variance[p] })
+}
+
+fn add(sum: &mut Measured, other: &Measured, weight: f32) {
+    for k in 0..3 {
+        sum.light[k] += weight * other.light[k];
+        sum.variance[k] += weight * weight * other.variance[k];
+    }
 }
 
 /// Light of pixel `p` in another frame.
@@ -133,18 +159,14 @@ fn tap(p: usize, own: &FilmFrame, other: &FilmFrame, tracks: &Tracks) -> Tap {
             continue;
         }
         all += share;
-        for k in 0..3 {
-            found.light[k] += share * other.light.color[q][k];
-            found.variance[k] += share * share * other.light.variance[q][k];
+        for (sum, part) in found.parts.iter_mut().zip(&measured(other, q)) {
+            add(sum, part, share);
         }
     }
     if all < LEAST {
         return Tap::default();
     }
-    for k in 0..3 {
-        found.light[k] /= all;
-        found.variance[k] /= all * all;
-    }
+    found.parts = found.parts.map(|part| part.over(all));
     found.is_found = true;
     found
 }
@@ -159,7 +181,7 @@ fn moves_along(p: usize, by: [f32; 2], id: u32, own: &FilmFrame, tracks: &Tracks
     })
 }
 
-/// Whether albedo, normal and direct light around a pixel that stands still are the same, but for coverage of pixels by chance.
+/// Whether albedo, normal and directly visible light around a pixel that stands still are the same, but for coverage of pixels by chance.
 fn is_unchanged(own: &FilmFrame, other: &FilmFrame, p: usize) -> bool {
     // Of the span of values around: means over nine pixels differ by less by chance.
     const SPAN: f32 = 0.12;
@@ -176,7 +198,7 @@ fn is_unchanged(own: &FilmFrame, other: &FilmFrame, p: usize) -> bool {
             ((here - there) / count).abs() <= floor + SPAN * (most - least)
         })
     };
-    same(&own.light.direct, &other.light.direct)
+    same(&own.light.unscattered, &other.light.unscattered)
         && same(&own.noisy.albedo, &other.noisy.albedo)
         && same(&own.noisy.normal, &other.noisy.normal)
 }
@@ -189,27 +211,38 @@ fn around(p: usize, width: usize, height: usize) -> impl Iterator<Item = usize> 
 fn picture(own: &FilmFrame, sums: &[Sum]) -> Picture {
     let mut picture = Picture::new(own.width as u32, own.height as u32);
     let planes = || [0, 1, 2].map(|_| Vec::with_capacity(sums.len()));
-    let [mut albedo, mut normal, mut direct, mut variance] = [planes(), planes(), planes(), planes()];
+    let [mut albedo, mut normal, mut unscattered, mut direct] = [(); 4].map(|()| planes());
+    let (mut variance, mut variances) = (planes(), [planes(), planes()]);
     for (p, sum) in sums.iter().enumerate() {
         let by = |x: &Triple| x.map(|x| x / sum.count);
-        let (a, n, d) = (by(&sum.albedo), by(&sum.normal), by(&sum.direct));
+        let (a, n, u) = (by(&sum.albedo), by(&sum.normal), by(&sum.unscattered));
         let divisor = crate::light::divisor(&a);
+        let parts = [0, 1].map(|part| sum.parts[part].over(sum.weights[part]));
         for k in 0..3 {
             albedo[k].push(a[k]);
             normal[k].push(n[k]);
-            direct[k].push(d[k]);
-            variance[k].push(sum.variance[k] / (sum.weight * sum.weight) * divisor[k] * divisor[k]);
-            picture.color[p][k] = d[k] + sum.light[k] / sum.weight * divisor[k];
+            unscattered[k].push(u[k]);
+            let light = parts.map(|part| part.light[k] * divisor[k]);
+            let noise = parts.map(|part| part.variance[k] * divisor[k] * divisor[k]);
+            direct[k].push(light[0]);
+            picture.color[p][k] = u[k] + light[0] + light[1];
+            variance[k].push(noise[0] + noise[1]);
+            variances.iter_mut().zip(noise).for_each(|(planes, noise)| planes[k].push(noise));
         }
     }
     let layer = |name: &str, channels: [&str; 3], planes: [Vec<f32>; 3]| {
         Layer::floats(name, channels.into_iter().zip(planes))
     };
     let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);
+    let [of_direct, of_indirect] = variances;
     picture.layers = vec![
         layer("albedo", rgb, albedo),
         layer("N", xyz, normal),
-        layer("emission", rgb, direct),
+        layer("seen_light", rgb, unscattered.clone()),
+        layer("seen_split", rgb, unscattered),
+        layer("seen_direct", rgb, direct),
+        layer("seen_direct_variance", rgb, of_direct),
+        layer("seen_indirect_variance", rgb, of_indirect),
         layer("variance", rgb, variance),
     ];
     picture

@@ -41,7 +41,8 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         paths.set_guided(tracer.guide.is_some());
     }
     wavefront.paths.start(camera.rays);
-    wavefront.seen.reset(if tracer.options.seen { camera.rays.len() } else { 0 }, Vec3::ZERO);
+    let lanes = if tracer.options.seen { camera.rays.len() } else { 0 };
+    wavefront.seen.reset(lanes, most_edges(tracer.options));
     if let Some(ledger) = &mut wavefront.ledger {
         ledger.start(camera.rays.len());
     }
@@ -138,7 +139,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     if options.aovs && from.depth == 0 {
         note_direct(tracer, &wavefront.radiance_only, radiance);
     }
-    let Wavefront { unshadowed, through, ledger, linked, recorder, .. } = wavefront;
+    let Wavefront { unshadowed, through, ledger, linked, recorder, seen, .. } = wavefront;
     let blockers = linked.as_ref().map(|LinkedPaths { links, blockers: sets, .. }| Blockers { links, sets });
     let passes = (unshadowed.through(tracer.world.media()), blockers);
     tracer.passed(&unshadowed.request, passes, through);
@@ -154,6 +155,9 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
             }
             if let Some(recorder) = recorder {
                 recorder.found(unshadowed.trail_of(k), light);
+            }
+            if options.seen {
+                seen.add(lane, light, unshadowed.way_of(k));
             }
         }
     }
@@ -213,7 +217,7 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         };
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
         let held = Some(&mut tracer.held).filter(|held| !held.is_empty());
-        let seen = options.seen.then_some((&mut *seen, most_edges(options)));
+        let seen = options.seen.then_some(&mut *seen);
         let recorder = recorder.as_mut();
         let mut onward = Onward { next, unshadowed, radiance, ledger, linked, recorder, seen, held };
         scatter(&met, &mut onward);
@@ -330,8 +334,8 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefro
         let left = left_after(f32::INFINITY, [path.absorption, Vec3::ZERO]);
         let light = path.throughput * direct.get(k) * weight * left;
         let light = add(radiance, path.lane, light, path.edges, tracer.options.clamp);
-        if path.is_seen && path.edges <= most_edges(tracer.options) {
-            wavefront.seen.add(path.lane as usize, light);
+        if tracer.options.seen {
+            wavefront.seen.add(path.lane, light, (path.scattered, path.edges));
         }
         if let Some(recorder) = &mut wavefront.recorder {
             recorder.found(path.trail, light);

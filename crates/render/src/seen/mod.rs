@@ -9,6 +9,7 @@
 
 mod branches;
 pub(crate) mod closer_look;
+mod light;
 mod view;
 
 use std::ops::Range;
@@ -28,6 +29,7 @@ use crate::transport::opacity;
 use crate::world::HitLanes;
 
 use branches::{Branch, Branches, NARROW, chosen, follow};
+pub(crate) use light::{MANY, SeenLight};
 use view::{Differs, View, differ};
 
 /// Path segments up to the last surface that is seen, the camera's included.
@@ -44,6 +46,13 @@ pub(crate) fn most_edges(options: &RenderOptions) -> u32 {
     }
 }
 
+/// Sums of light and of its squares.
+#[derive(Clone, Debug)]
+struct Moments {
+    sums: Vec<[f64; 3]>,
+    squares: Vec<[f64; 3]>,
+}
+
 /// Sums over the camera rays of a tile's pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct TileSeen {
@@ -51,9 +60,8 @@ pub(crate) struct TileSeen {
     pub(crate) normal: Vec<[f64; 3]>,
     pub(crate) light: Vec<[f64; 3]>,
     pub(crate) split: Vec<[f64; 3]>,
-    /// The light that is scattered elsewhere, and its squares.
-    rest: Vec<[f64; 3]>,
-    squares: Vec<[f64; 3]>,
+    /// Direct and indirect light of the surfaces.
+    scattered: [Moments; 2],
     /// Camera rays of each pixel that albedo, normal and split light are sums of; the others are sums of samples.
     views: Vec<u32>,
     /// Albedo, normal and split light of the first one, and whether another one differs.
@@ -64,6 +72,27 @@ pub(crate) struct TileSeen {
     brightest: Vec<f32>,
 }
 
+impl Moments {
+    fn add(&mut self, pixel: usize, light: Vec3) {
+        for k in 0..3 {
+            let light = f64::from(light[k]);
+            self.sums[pixel][k] += light;
+            self.squares[pixel][k] += light * light;
+        }
+    }
+
+    fn variance(&self, i: usize, count: u32) -> [f32; 3] {
+        let n = f64::from(count);
+        if count < 2 {
+            return [0.0; 3];
+        }
+        [0, 1, 2].map(|k| {
+            let mean = self.sums[i][k] / n;
+            ((self.squares[i][k] / n - mean * mean).max(0.0) / (n - 1.0)) as f32
+        })
+    }
+}
+
 impl TileSeen {
     pub(crate) fn new(pixels: usize) -> Self {
         let zero = || vec![[0.0; 3]; pixels];
@@ -71,8 +100,8 @@ impl TileSeen {
         let (first, brightest) = (vec![NOTHING; pixels], vec![0.0; pixels]);
         let (views, reference, differs) =
             (vec![0; pixels], vec![View::default(); pixels], vec![Differs::Nothing; pixels]);
-        let (rest, squares) = (zero(), zero());
-        Self { albedo, normal, light, split, rest, squares, views, reference, differs, first, brightest }
+        let scattered = [0, 1].map(|_| Moments { sums: zero(), squares: zero() });
+        Self { albedo, normal, light, split, scattered, views, reference, differs, first, brightest }
     }
 
     /// The mean over the camera rays of pixel `i` of a sum.
@@ -80,16 +109,14 @@ impl TileSeen {
         sums[i].map(|sum| (sum / f64::from(self.views[i].max(1))) as f32)
     }
 
-    /// Variance of the mean of the light that is scattered elsewhere, by `count` samples; 0 if it is not known.
-    pub(crate) fn variance(&self, i: usize, count: u32) -> [f32; 3] {
-        let n = f64::from(count);
-        if count < 2 {
-            return [0.0; 3];
-        }
-        [0, 1, 2].map(|k| {
-            let mean = self.rest[i][k] / n;
-            ((self.squares[i][k] / n - mean * mean).max(0.0) / (n - 1.0)) as f32
-        })
+    /// The sums of direct light.
+    pub(crate) fn direct(&self) -> &[[f64; 3]] {
+        &self.scattered[0].sums
+    }
+
+    /// Variances of the means of direct and indirect light, by `count` samples; 0 if they are not known.
+    pub(crate) fn variances(&self, i: usize, count: u32) -> [[f32; 3]; 2] {
+        [0, 1].map(|part| self.scattered[part].variance(i, count))
     }
 
     /// Adds one sample of each pixel in `range`.
@@ -105,20 +132,20 @@ impl TileSeen {
             self.brightest.fill(0.0);
         }
         let follows = follows(tracer);
-        let found = if follows { &tracer.seen } else { &tracer.direct };
+        let found = if follows { &tracer.seen.unscattered } else { &tracer.direct };
         for (pixel, lane) in range.clone().enumerate() {
             let all = radiance.get(lane);
-            let all = if all.is_finite() { all } else { Vec3::ZERO };
-            let light = if found.is_empty() || all == Vec3::ZERO { Vec3::ZERO } else { found.get(lane) };
-            for k in 0..3 {
-                let rest = f64::from(all[k] - light[k]);
-                self.light[pixel][k] += f64::from(light[k]);
-                self.rest[pixel][k] += rest;
-                self.squares[pixel][k] += rest * rest;
-                if !follows {
-                    self.split[pixel][k] += f64::from(light[k]);
-                }
+            let of = |sums: &Vec3s| if sums.is_empty() { Vec3::ZERO } else { sums.get(lane) };
+            let [all, light, direct] = match all.is_finite() && all != Vec3::ZERO {
+                true => [all, of(found), of(&tracer.seen.direct)],
+                false => [Vec3::ZERO; 3],
+            };
+            add(&mut self.light[pixel], light);
+            if !follows {
+                add(&mut self.split[pixel], light);
             }
+            self.scattered[0].add(pixel, direct);
+            self.scattered[1].add(pixel, all - light - direct);
         }
         self.add_views(tracer, camera, range.clone(), sample == 0, &|lane| lane - range.start);
     }
@@ -304,8 +331,9 @@ fn add(sum: &mut [f64; 3], value: Vec3) {
 
 impl SavedState for TileSeen {
     fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
-        let Self { albedo, normal, light, split, rest, squares, views, reference, differs, first, .. } = self;
-        for sums in [albedo, normal, light, split, rest, squares] {
+        let Self { albedo, normal, light, split, scattered, views, reference, differs, first, .. } = self;
+        let scattered = scattered.iter_mut().flat_map(|part| [&mut part.sums, &mut part.squares]);
+        for sums in [albedo, normal, light, split].into_iter().chain(scattered) {
             sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
         }
         views.iter_mut().for_each(|count| put_u32(count, with));

@@ -19,6 +19,7 @@ use super::through::Through;
 use crate::cone::{Cone, Cones};
 use crate::expressions::Ledger;
 use crate::guide::Recorder;
+use crate::seen::{MANY, SeenLight};
 use crate::world::{Inside, Media};
 
 /// A continuing path.
@@ -39,8 +40,8 @@ pub(crate) struct Path {
     pub(crate) absorption: Vec3,
     /// The bodies that its ray is in.
     pub(crate) inside: Inside,
-    /// Whether only smooth surfaces have scattered it.
-    pub(crate) is_seen: bool,
+    /// Scatterings but those of smooth surfaces, up to [`MANY`].
+    pub(crate) scattered: u8,
     /// The trail that a recorder keeps of it, and the factor by which roulette spares it: meant if paths are guided.
     pub(crate) trail: u32,
     pub(crate) spared: f32,
@@ -70,7 +71,7 @@ pub(crate) struct Paths {
     pub(crate) throughput: Vec3s,
     pub(crate) edges: Vec<u32>,
     layers: Vec<u32>,
-    is_seen: Vec<bool>,
+    scattered: Vec<u8>,
     from_p: Vec3s,
     from_ns: Vec3s,
     from_pdf: Vec<f32>,
@@ -155,7 +156,7 @@ impl Paths {
             start: self.from_p.get(i),
             absorption: if self.has_media { self.absorption.get(i) } else { Vec3::ZERO },
             inside: self.inside_of(i),
-            is_seen: self.is_seen[i],
+            scattered: self.scattered[i],
             trail: self.trail_of(i),
             spared: self.spared_of(i),
             from: (pdf != NOWHERE).then(|| Origin { p: self.from_p.get(i), ns: self.from_ns.get(i), pdf }),
@@ -224,8 +225,8 @@ impl Paths {
             array.clear();
             array.resize(n, value);
         }
-        self.is_seen.clear();
-        self.is_seen.resize(n, true);
+        self.scattered.clear();
+        self.scattered.resize(n, 0);
         self.from_p.resize(n);
         self.from_ns.resize(n);
         self.from_pdf.clear();
@@ -293,7 +294,7 @@ impl Paths {
         let Self { throughput, from_p, from_ns, .. } = self;
         [throughput, from_p, from_ns].into_iter().for_each(|array| array.resize(n));
         self.from_pdf.resize(n, 0.0);
-        self.is_seen.resize(n, false);
+        self.scattered.resize(n, 0);
         if self.has_media {
             self.absorption.resize(n);
         }
@@ -336,7 +337,8 @@ impl Paths {
             self.lane[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
             self.layers[self.count] = 0;
-            self.is_seen[self.count] = of.paths.is_seen[number] && next.seen >> i & 1 != 0;
+            let more = u8::from(next.seen >> i & 1 == 0);
+            self.scattered[self.count] = (of.paths.scattered[number] + more).min(MANY);
             if self.has_bodies {
                 let inside = of.paths.inside_of(number);
                 let transmitted = next.how[1] >> i & 1 != 0;
@@ -361,7 +363,7 @@ impl Paths {
         let at = self.count;
         self.count += 1;
         (self.lane[at], self.edges[at], self.layers[at]) = (path.lane, path.edges, path.layers);
-        self.is_seen[at] = path.is_seen;
+        self.scattered[at] = path.scattered;
         self.keys.push(path.key);
         self.throughput.set(at, path.throughput);
         let from = path.from.unwrap_or(Origin { p: Vec3::ZERO, ns: Vec3::ZERO, pdf: NOWHERE });
@@ -393,6 +395,8 @@ pub(crate) struct Unshadowed {
     radiance: Vec3s,
     /// Edges up to the light.
     edges: Vec<u32>,
+    /// As [`Path::scattered`], and the scattering at the vertex.
+    scattered: Vec<u8>,
     /// Whether it is a delta light, and the ray begins outside of absorbing media: such lights are searched
     /// for through glass.
     is_delta: Vec<bool>,
@@ -426,10 +430,18 @@ impl Unshadowed {
 
     fn resize(&mut self, n: usize) {
         let Self {
-            request: RayRequest { rays, parent, .. }, radiance, edges, is_delta, inside, trail, ..
+            request: RayRequest { rays, parent, .. },
+            radiance,
+            edges,
+            scattered,
+            is_delta,
+            inside,
+            trail,
+            ..
         } = self;
         [parent, edges, trail].into_iter().for_each(|array| array.resize(n, 0));
         is_delta.resize(n, false);
+        scattered.resize(n, 0);
         inside.resize(n, Inside::default());
         radiance.resize(n);
         let floats = rays.org.iter_mut().chain(&mut rays.dir).chain([&mut rays.t_far]);
@@ -460,6 +472,7 @@ impl Unshadowed {
             let number = of.numbers[i] as usize;
             parent[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
+            self.scattered[self.count] = of.paths.scattered[number] + 1;
             self.trail[self.count] = of.paths.trail_of(number);
             self.is_delta[self.count] = R::bits(delta_requests) >> i & 1 != 0;
             let (boundary, transmitted) =
@@ -484,6 +497,7 @@ impl Unshadowed {
         key.push(path.key);
         self.radiance.set(at, radiance);
         self.is_delta[at] = is_delta;
+        self.scattered[at] = path.scattered + 1;
         self.trail[at] = path.trail;
         self.inside[at] = path.inside;
     }
@@ -502,6 +516,11 @@ impl Unshadowed {
     /// The trail of the path of light `k`.
     pub(crate) fn trail_of(&self, k: usize) -> u32 {
         self.trail[k]
+    }
+
+    /// Scatterings and edges of the path of light `k`, as [`SeenLight::add`] takes them.
+    pub(crate) fn way_of(&self, k: usize) -> (u8, u32) {
+        (self.scattered[k], self.edges[k])
     }
 
     /// Light `k`: whose radiance it is, how much and over how many edges.
@@ -534,6 +553,6 @@ pub(crate) struct Wavefront {
     pub(crate) linked: Option<LinkedPaths>,
     /// Notes vertices of paths for a guide, if one is learned.
     pub(crate) recorder: Option<Recorder>,
-    /// Light behind smooth surfaces only, by lane; empty if it is not requested.
-    pub(crate) seen: Vec3s,
+    /// What layers for denoisers need of the light.
+    pub(crate) seen: SeenLight,
 }

@@ -25,6 +25,7 @@ use crate::guide::{self, Guide, Mixture, Recorder};
 use crate::held::Held;
 use crate::options::RenderOptions;
 use crate::pixel_order::PixelOrder;
+use crate::seen::SeenLight;
 use crate::world::{HitLanes, World};
 
 /// Paths that met one shader.
@@ -64,8 +65,8 @@ pub(crate) struct Onward<'a> {
     pub(crate) linked: Option<&'a mut LinkedPaths>,
     /// Notes vertices for a guide, if one is learned.
     pub(crate) recorder: Option<&'a mut Recorder>,
-    /// Light behind smooth surfaces only, and the most edges of its paths, if it is requested.
-    pub(crate) seen: Option<(&'a mut Vec3s, u32)>,
+    /// What layers for denoisers need of the light, if they are requested.
+    pub(crate) seen: Option<&'a mut SeenLight>,
     /// What lanes of the camera see of holes, if the world has holdouts.
     pub(crate) held: Option<&'a mut Vec<Held>>,
 }
@@ -191,10 +192,8 @@ impl Met<'_> {
             if let Some(recorder) = &mut onward.recorder {
                 recorder.found(path.trail, light);
             }
-            if let Some((seen, most)) = &mut onward.seen
-                && (path.is_seen && path.edges <= *most && !self.is_final)
-            {
-                seen.add(path.lane as usize, light);
+            if let Some(seen) = onward.seen.as_mut().filter(|_| !self.is_final) {
+                seen.add(path.lane, light, (path.scattered, path.edges));
             }
             if let Some(ledger) = &mut onward.ledger {
                 let (ids, dir) = (self.ids(k), self.points.ray_dir.get(k));
