@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The built-in denoiser: a regression of direct and of indirect light, without albedo and fireflies, on the features of
-//! camera rays' hits, in two passes.
+//! camera rays' hits, in two passes, and a third one where light is in rare samples.
 //! Source: \[BRM*16\], with weights from sampled variances instead of two half pictures. The second pass
 //! reaches three times as far, on the result of the first: it removes blotches, as the coarser scales of
 //! \[DSHL10\]'s wavelets do.
@@ -33,8 +33,14 @@ const NEAR: [Reach; 2] = [
 ];
 /// The second time: smaller patches of light with little noise, farther apart.
 const WIDE: Reach = Reach { side: 5, step: 3, patch: 1, first: 0, sharpness: 0.6 };
+/// The third time, where light is in rare samples: as wide as blotches of the second one.
+const FAR: Reach = Reach { side: 3, step: 9, patch: 1, first: 0, sharpness: 0.6 };
 /// The remaining fraction of the variance of independent pixels: each has been in many fits.
 const LEFT: f32 = 0.5;
+/// The same after the second pass, where light is in rare samples: blotches are as wide as its fits.
+const LEFT_OF_RARE: f32 = 6.0;
+/// No pixel is brighter than this times its bright neighbours: direct light has few rare samples and many highlights.
+const BRIGHTER: [f32; 2] = [4.0, 1.5];
 /// Squares of differences exceed the variance by so much where light is in rare samples.
 const HEAVY: f32 = 3.0;
 /// Where fewer pixels are similar, the second time counts less.
@@ -49,8 +55,8 @@ pub(crate) fn filter(
     pool.install(|| {
         let Light { unscattered, divisor, parts } = Light::of(noisy);
         let mut clean = vec![[0.0; 3]; unscattered.len()];
-        for part in parts.into_iter().filter(|part| !part.is_black()) {
-            let part = without_noise(noisy, &divisor, part, stop)?;
+        for (part, brighter) in parts.into_iter().zip(BRIGHTER).filter(|(part, _)| !part.is_black()) {
+            let part = without_noise(noisy, &divisor, (part, brighter), stop)?;
             clean
                 .as_flattened_mut()
                 .iter_mut()
@@ -71,13 +77,13 @@ pub(crate) fn filter(
 fn without_noise(
     noisy: &Noisy,
     divisor: &[Triple],
-    part: Part,
+    (part, brighter): (Part, f32),
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Triple>> {
     let (level, width, height) = (Level::default(), noisy.width, noisy.height);
     let Part { mut color, mut variance } = part;
     let is_known = variance.iter().any(|v| *v != [0.0; 3]);
-    let outliers = Outliers::take(width, &noisy.normal, &mut color, &mut variance);
+    let outliers = Outliers::take(width, &noisy.normal, brighter, (&mut color, &mut variance));
     if !is_known {
         variance = variance::spatial(&color, width, height);
     }
@@ -88,23 +94,35 @@ fn without_noise(
     let [mut near, other] = NEAR.map(|reach| Explained::of(level, &layers, reach, stop));
     near.as_mut()?.average(&other?);
     let near = near?;
-    let left: Vec<Triple> = smooth
-        .iter()
-        .zip(&near.support)
-        .map(|(variance, support)| variance.map(|v| v * LEFT / support.max(1.0)))
-        .collect();
+    let left = left_of(&smooth, &near.support, LEFT);
     let layers = Layers { noisy, color: &near.color, variance: &left };
     let wide = Explained::of(level, &layers, WIDE, stop)?;
     let mut clean = near.color;
-    for (p, clean) in clean.iter_mut().enumerate() {
-        let share = (wide.support[p] / FEW).min(1.0);
-        for (clean, wide) in clean.iter_mut().zip(wide.color[p]) {
-            *clean += (wide - *clean) * share;
-        }
+    blend(&mut clean, &wide, |_| true);
+    if outliers.rare.contains(&true) {
+        let left = left_of(&left, &wide.support, LEFT_OF_RARE);
+        let far = Explained::of(level, &Layers { noisy, color: &clean, variance: &left }, FAR, stop)?;
+        blend(&mut clean, &far, |p| outliers.rare[p]);
     }
     outliers.give_back(width, divisor, &mut clean);
     if is_known {
         details::bring_back(width, &color, &variance, (&smooth, &outliers.rare), &mut clean);
     }
     Some(clean)
+}
+
+/// The variance that fits of this support leave, times a factor.
+fn left_of(variance: &[Triple], support: &[f32], left: f32) -> Vec<Triple> {
+    let of = |(variance, support): (&Triple, &f32)| variance.map(|v| v * left / support.max(1.0));
+    variance.iter().zip(support).map(of).collect()
+}
+
+/// Takes some pixels of wider fits, as far as these have support.
+fn blend(clean: &mut [Triple], wider: &Explained, is_taken: impl Fn(usize) -> bool) {
+    for (p, clean) in clean.iter_mut().enumerate().filter(|(p, _)| is_taken(*p)) {
+        let share = (wider.support[p] / FEW).min(1.0);
+        for (clean, wider) in clean.iter_mut().zip(wider.color[p]) {
+            *clean += (wider - *clean) * share;
+        }
+    }
 }

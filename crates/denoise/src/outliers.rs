@@ -11,8 +11,6 @@ use crate::noisy::Triple;
 
 /// Pixels to each side that are compared.
 const REACH: usize = 3;
-/// A pixel is no brighter than this times the neighbour that only an eighth of them is brighter than, or their mean.
-const BRIGHTER: f32 = 1.5;
 /// Pixels to each side among which many bright ones are no outliers, and how many are many.
 const WIDER: usize = 7;
 const MANY: f32 = 3.0;
@@ -39,19 +37,21 @@ pub(crate) struct Outliers {
 }
 
 impl Outliers {
-    /// Takes it. Call within a pool of threads.
+    /// Takes what makes pixels brighter than `brighter` times the neighbour that only an eighth of them is brighter than, or
+    /// their mean. Call within a pool of threads.
     pub(crate) fn take(
         width: usize,
         normal: &[Triple],
-        color: &mut [Triple],
-        variance: &mut [Triple],
+        brighter: f32,
+        (color, variance): (&mut [Triple], &mut [Triple]),
     ) -> Self {
         let light: Vec<f32> = color.iter().map(mean).collect();
         let height = light.len() / width;
         let of_row = |near: &mut Vec<f32>, y: usize| -> Vec<(usize, f32, bool)> {
             let find = |x: usize| {
                 let p = y * width + x;
-                let (most, is_rare) = most(&light, normal, [width, height], [x, y], near)?;
+                let (bright, is_rare) = most(&light, normal, [width, height], [x, y], near)?;
+                let most = brighter * bright;
                 let most = if light[p] <= most {
                     most
                 } else if is_rare {
@@ -165,7 +165,7 @@ fn common(light: &[f32], normal: &[Triple], [width, height]: [usize; 2], [x, y]:
     if sum * sum >= MANY * squares && sum > 0.0 { squares / sum } else { 0.0 }
 }
 
-/// How bright a pixel may be, by its neighbours of about its orientation, and whether light is in rare samples; `None` if there are too few.
+/// How bright a pixel's neighbours of about its orientation are, and whether light is in rare samples; `None` if there are too few.
 fn most(
     light: &[f32],
     normal: &[Triple],
@@ -194,7 +194,7 @@ fn most(
     let mean = (near.iter().sum::<f32>() + light[y * width + x]) / (near.len() + 1) as f32;
     let half = near.len() / 2;
     let (_, &mut middle, _) = near.select_nth_unstable_by(half, f32::total_cmp);
-    Some((BRIGHTER * bright.max(mean), middle < RARE * mean))
+    Some((bright.max(mean), middle < RARE * mean))
 }
 
 #[cfg(test)]
@@ -220,7 +220,7 @@ mod tests {
         for light in [1.0, 1e-6] {
             let (normal, before) = (vec![[0.0, 0.0, 1.0]; width * height], surface(width, height, light));
             let (mut color, mut variance) = (before.clone(), vec![[light * light; 3]; width * height]);
-            let outliers = Outliers::take(width, &normal, &mut color, &mut variance);
+            let outliers = Outliers::take(width, &normal, 1.5, (&mut color, &mut variance));
             let brightest = color.iter().map(|c| c[0] / light).fold(0.0, f32::max);
             // One of 28 neighbours or more, at the picture's edge of 15, is forty times as bright.
             assert!(brightest < 0.15 * 40.0, "{brightest} times the light is left");
@@ -242,7 +242,7 @@ mod tests {
             let mut color: Vec<Triple> = (0..width * height).map(|p| [at(p); 3]).collect();
             let normal = vec![[0.0, 0.0, 1.0]; width * height];
             let mut variance = vec![[0.0; 3]; width * height];
-            Outliers::take(width, &normal, &mut color, &mut variance).taken.len()
+            Outliers::take(width, &normal, 1.5, (&mut color, &mut variance)).taken.len()
         };
         let square = |x: usize, y: usize| (20..22).contains(&x) && (20..22).contains(&y);
         assert_eq!(taken(&|x, y| if square(x, y) { 30.0 } else { 1.0 }), 0, "four pixels together stay");
@@ -263,7 +263,7 @@ mod tests {
         let before: Vec<Triple> = (0..width * height).map(|p| [step(p); 3]).collect();
         let (mut color, mut variance) = (before.clone(), vec![[0.0; 3]; width * height]);
         let normal = vec![[0.0, 0.0, 1.0]; width * height];
-        let outliers = Outliers::take(width, &normal, &mut color, &mut variance);
+        let outliers = Outliers::take(width, &normal, 1.5, (&mut color, &mut variance));
         assert!(outliers.taken.is_empty(), "{:?}", outliers.taken);
         assert_eq!(color, before, "nothing was taken");
     }

@@ -3,7 +3,7 @@
 
 use crate::common::*;
 use gnurt_image::{ChannelData, Picture};
-use gnurt_render::{Accumulation, Integrator, RenderOptions, Silent, render};
+use gnurt_render::{Accumulation, Integrator, LightLayer, RenderOptions, Silent, render};
 use gnurt_scene::material::Color;
 use gnurt_scene::{Material, Scene, Surface};
 
@@ -60,11 +60,13 @@ fn mirrors_show_albedo_and_normal_of_what_is_in_them() {
         let light = layer(&sky, name, RGB)[0];
         assert!((light[2] - 0.35).abs() < 1e-5, "{name}: half of the sky: {light:?}");
     }
-    assert_eq!(layer(&sky, "seen_variance", RGB)[0], [0.0; 3], "no other light is there");
+    for name in ["seen_direct", "seen_direct_variance", "seen_indirect_variance"] {
+        assert_eq!(layer(&sky, name, RGB)[0], [0.0; 3], "no other light is there");
+    }
 }
 
-/// Balls of glass and mirrors below a lamp.
-fn balls() -> Scene {
+/// Balls of glass and mirrors below a lamp, before metal.
+fn balls(roughness: f32) -> Scene {
     let mut scene = floor(0.6, 4.0);
     let glass = Surface::Dielectric {
         ior: 1.5,
@@ -75,7 +77,7 @@ fn balls() -> Scene {
     let glass = scene.add_material(Material::of("glass", glass));
     let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
     let mirror = scene.add_material(Material::of("mirror", mirror));
-    let metal = Surface::Metal { eta: [0.2, 0.9, 1.2], k: [3.9, 2.4, 2.2], roughness: 0.0 };
+    let metal = Surface::Metal { eta: [0.2, 0.9, 1.2], k: [3.9, 2.4, 2.2], roughness };
     let metal = scene.add_material(Material::of("metal", metal));
     put_mesh(&mut scene, quad([-1.5, 1.0, 0.0], [3.0, 0.0, 0.0], [0.0, 0.3, 2.5], metal));
     put_mesh(&mut scene, sphere([-0.8, 0.0, 0.7], 0.7, 16, glass));
@@ -88,7 +90,7 @@ fn balls() -> Scene {
 
 #[test]
 fn light_of_all_branches_agrees_with_that_of_paths() {
-    let world = world_of(&balls(), false);
+    let world = world_of(&balls(0.0), false);
     let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0);
     let frame = render(&world, &view, &seen(40, 30, 256), &pool(2), &Silent).expect("sound");
     let [light, split] = ["seen_light", "seen_split"].map(|name| layer(&frame.picture, name, RGB));
@@ -106,6 +108,50 @@ fn light_of_all_branches_agrees_with_that_of_paths() {
     let [light, split] = ["seen_light", "seen_split"].map(|name| layer(&frame.picture, name, RGB));
     let ratio = sum(&split) / sum(&light);
     assert!((ratio - 1.0).abs() < 0.02, "as far as they are not limited: {ratio}");
+}
+
+/// By the light path expression of one scattering behind any number of smooth surfaces, on the same samples.
+#[test]
+fn direct_light_has_one_scattering_and_variances_are_those_of_samples() {
+    let world = world_of(&balls(0.4), false);
+    let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0);
+    let once = LightLayer::new("once", "C<.S>*<.[DG]>[LBO]").expect("an expression");
+    let some = RenderOptions { light_layers: vec![once], ..seen(24, 18, 8) };
+    let some = render(&world, &view, &some, &pool(2), &Silent).expect("sound").picture;
+    let [direct, once] = ["seen_direct", "once"].map(|name| layer(&some, name, RGB));
+    let (mut sum, mut lit) = (0.0, 0);
+    for (direct, once) in direct.iter().zip(&once) {
+        for k in 0..3 {
+            assert!((direct[k] - once[k]).abs() <= 1e-5 * once[k].max(1.0), "{direct:?}, not {once:?}");
+            sum += direct[k];
+            lit += usize::from(direct[k] > 0.0);
+        }
+    }
+    assert!(sum > 10.0 && lit > 24 * 18, "there is some: {sum} in {lit} colours");
+    // Of one picture's samples, beside how much pictures differ.
+    let single: Vec<Picture> = (0..32)
+        .map(|seed| {
+            let options = RenderOptions { seed, ..seen(24, 18, 4) };
+            render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture
+        })
+        .collect();
+    for (name, light) in [("seen_direct_variance", 0), ("seen_indirect_variance", 1)] {
+        let of = |picture: &Picture| -> Vec<f32> {
+            let [direct, light_seen] = ["seen_direct", "seen_light"].map(|name| layer(picture, name, RGB));
+            let rest = |p: usize| picture.color[p][1] - direct[p][1] - light_seen[p][1];
+            (0..direct.len()).map(|p| if light == 0 { direct[p][1] } else { rest(p) }).collect()
+        };
+        let values: Vec<Vec<f32>> = single.iter().map(of).collect();
+        let (mut expected, mut found) = (0.0, 0.0);
+        for p in 0..24 * 18 {
+            let mean = values.iter().map(|v| v[p]).sum::<f32>() / 32.0;
+            expected += values.iter().map(|v| (v[p] - mean).powi(2)).sum::<f32>() / 31.0;
+            found += single.iter().map(|picture| layer(picture, name, RGB)[p][1]).sum::<f32>() / 32.0;
+        }
+        // Samples of one picture are spread, so that their means differ less than their variance says.
+        let ratio = expected / found;
+        assert!(ratio > 0.2 && ratio < 1.3 && found > 0.0, "{name}: {ratio}");
+    }
 }
 
 #[test]
@@ -135,7 +181,7 @@ fn polished_metal_shows_what_a_mirror_shows() {
 
 #[test]
 fn edges_of_lamps_have_less_noise_than_paths_give_them() {
-    let world = world_of(&balls(), false);
+    let world = world_of(&balls(0.0), false);
     let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 2.0], 40.0);
     let truth = render(&world, &view, &seen(40, 30, 512), &pool(2), &Silent).expect("sound").picture;
     let few = RenderOptions { seed: 5, ..seen(40, 30, 4) };
@@ -150,7 +196,7 @@ fn edges_of_lamps_have_less_noise_than_paths_give_them() {
 
 #[test]
 fn layers_change_no_picture_and_survive_a_pause() {
-    let world = world_of(&balls(), false);
+    let world = world_of(&balls(0.0), false);
     let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0);
     for integrator in [Integrator::Path, Integrator::Whitted, Integrator::InstantRadiosity] {
         let options = RenderOptions { integrator, vpls: 64, ..seen(24, 18, 4) };

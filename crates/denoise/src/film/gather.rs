@@ -28,10 +28,7 @@ struct Measured {
 
 impl Measured {
     fn over(&self, weight: f32) -> Self {
-        Self {
-            light: self.light.map(|x| x / weight),
-            variance: self.variance.map(|x| x / (weight * weight)),
-        }
+        Self { light: self.light.map(|x| x / weight), variance: self.variance.map(|x| x / (weight * weight)) }
     }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The light of paths, divided by the number of scatterings that denoisers do not look behind: none for lamps and sky
+//! The light of paths by the number of scatterings after those of the smooth surfaces that they begin with: none for lamps and sky
 //! in mirrors and behind smooth glass, one for direct light; all other light is indirect.
 
 use glam::Vec3;

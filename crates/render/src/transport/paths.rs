@@ -40,7 +40,7 @@ pub(crate) struct Path {
     pub(crate) absorption: Vec3,
     /// The bodies that its ray is in.
     pub(crate) inside: Inside,
-    /// Scatterings but those of smooth surfaces, up to [`MANY`].
+    /// Scatterings after those of the smooth surfaces that it begins with, up to [`MANY`].
     pub(crate) scattered: u8,
     /// The trail that a recorder keeps of it, and the factor by which roulette spares it: meant if paths are guided.
     pub(crate) trail: u32,
@@ -337,8 +337,9 @@ impl Paths {
             self.lane[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
             self.layers[self.count] = 0;
-            let more = u8::from(next.seen >> i & 1 == 0);
-            self.scattered[self.count] = (of.paths.scattered[number] + more).min(MANY);
+            let before = of.paths.scattered[number];
+            let stays = before == 0 && next.seen >> i & 1 != 0;
+            self.scattered[self.count] = if stays { 0 } else { (before + 1).min(MANY) };
             if self.has_bodies {
                 let inside = of.paths.inside_of(number);
                 let transmitted = next.how[1] >> i & 1 != 0;
