@@ -39,8 +39,22 @@ const FAR: Reach = Reach { side: 3, step: 9, patch: 1, first: 0, sharpness: 0.6 
 const LEFT: f32 = 0.5;
 /// The same after the second pass, where light is in rare samples: blotches are as wide as its fits.
 const LEFT_OF_RARE: f32 = 6.0;
-/// No pixel is brighter than this times its bright neighbours: direct light has few rare samples and many highlights.
-const BRIGHTER: [f32; 2] = [4.0, 1.5];
+
+/// The light of a part.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Direct,
+    Indirect,
+    /// Direct light is not known by itself.
+    Both,
+}
+
+impl Kind {
+    /// No pixel is brighter than this times its bright neighbours: direct light has few rare samples and many highlights.
+    fn brighter(self) -> f32 {
+        if self == Self::Direct { 4.0 } else { 1.5 }
+    }
+}
 /// Squares of differences exceed the variance by so much where light is in rare samples.
 const HEAVY: f32 = 3.0;
 /// Where fewer pixels are similar, the second time counts less.
@@ -55,8 +69,9 @@ pub(crate) fn filter(
     pool.install(|| {
         let Light { unscattered, divisor, parts } = Light::of(noisy);
         let mut clean = vec![[0.0; 3]; unscattered.len()];
-        for (part, brighter) in parts.into_iter().zip(BRIGHTER).filter(|(part, _)| !part.is_black()) {
-            let part = without_noise(noisy, &divisor, (part, brighter), stop)?;
+        let kinds = if parts[0].is_black() { [Kind::Both; 2] } else { [Kind::Direct, Kind::Indirect] };
+        for (part, kind) in parts.into_iter().zip(kinds).filter(|(part, _)| !part.is_black()) {
+            let part = without_noise(noisy, &divisor, (part, kind), stop)?;
             clean
                 .as_flattened_mut()
                 .iter_mut()
@@ -77,13 +92,13 @@ pub(crate) fn filter(
 fn without_noise(
     noisy: &Noisy,
     divisor: &[Triple],
-    (part, brighter): (Part, f32),
+    (part, kind): (Part, Kind),
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Triple>> {
     let (level, width, height) = (Level::default(), noisy.width, noisy.height);
     let Part { mut color, mut variance } = part;
     let is_known = variance.iter().any(|v| *v != [0.0; 3]);
-    let outliers = Outliers::take(width, &noisy.normal, brighter, (&mut color, &mut variance));
+    let outliers = Outliers::take(width, &noisy.normal, kind.brighter(), (&mut color, &mut variance));
     if !is_known {
         variance = variance::spatial(&color, width, height);
     }
@@ -105,7 +120,8 @@ fn without_noise(
         blend(&mut clean, &far, |p| outliers.rare[p]);
     }
     outliers.give_back(width, divisor, &mut clean);
-    if is_known {
+    // What stands out of indirect light is noise.
+    if is_known && kind != Kind::Indirect {
         details::bring_back(width, &color, &variance, (&smooth, &outliers.rare), &mut clean);
     }
     Some(clean)

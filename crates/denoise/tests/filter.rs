@@ -351,3 +351,45 @@ fn light_of_surfaces_stays_out_of_pixels_without_any() {
         .fold(0.0, f32::max);
     assert!(most < 0.0071, "nothing shines as bright as {most}");
 }
+
+/// The edge of a shadow in direct light with little noise, below indirect light with much.
+#[test]
+fn edges_of_shadows_stay_below_noisy_indirect_light() {
+    let mut random = Random::new(5);
+    let is_lit = |p: u32| p % SIZE + p / SIZE / 3 < 30;
+    let mut truth = Picture::new(SIZE, SIZE);
+    let mut noisy = truth.clone();
+    let [mut light, mut squares] = [Vec::new(), Vec::new()];
+    for p in 0..SIZE * SIZE {
+        let direct = if is_lit(p) { 0.3 } else { 0.0 };
+        let wave = random.between(-1.0, 1.0);
+        let found = direct * (1.0 + 0.05 * random.between(-1.0, 1.0));
+        (truth.color[p as usize], noisy.color[p as usize]) =
+            ([direct + 0.5, direct + 0.5, direct + 0.5, 1.0], [found + 0.5 * (1.0 + wave); 4]);
+        light.push(found);
+        squares.push((0.05_f32 * direct).powi(2) / 3.0);
+    }
+    let constant = |name: &str, channels: [&str; 3], value: [f32; 3]| {
+        let planes = [0, 1, 2].map(|k| (channels[k], vec![value[k]; (SIZE * SIZE) as usize]));
+        Layer::floats(name, planes)
+    };
+    let grey =
+        |name: &str, plane: &Vec<f32>| Layer::floats(name, ["R", "G", "B"].map(|c| (c, plane.clone())));
+    let rgb = ["R", "G", "B"];
+    let of_indirect = 0.25 / 3.0;
+    noisy.layers = vec![
+        constant("albedo", rgb, [0.7; 3]),
+        constant("N", ["X", "Y", "Z"], [0.0, 0.0, 1.0]),
+        grey("variance", &squares.iter().map(|x| x + of_indirect).collect()),
+    ];
+    let together = error(&clean(&noisy), &truth);
+    noisy.layers.extend([
+        constant("seen_light", rgb, [0.0; 3]),
+        constant("seen_split", rgb, [0.0; 3]),
+        grey("seen_direct", &light),
+        grey("seen_direct_variance", &squares),
+        constant("seen_indirect_variance", rgb, [of_indirect; 3]),
+    ]);
+    let apart = error(&clean(&noisy), &truth);
+    assert!(apart < 0.7 * together && together > 0.02, "{apart} apart, {together} together");
+}
