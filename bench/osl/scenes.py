@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders the scenes of OSL's test suite with gnurt, and compares means with those of the suite's own pictures.
 
-    bench/osl/scenes.py SUITE GNURT [--only NAME ...] [--spp N] [--keep FOLDER]
+    bench/osl/scenes.py SUITE GNURT [--only NAME ...] [--spp N] [--keep FOLDER] [--as-is]
 
 SUITE is a checkout of OpenShadingLanguage (its files stay where they are), GNURT the program. A scene's XML becomes an OBJ whose
 materials are the scene's groups, in OSL's text form; `gnurt render` does the rest: path tracing, a tent filter, as many bounces.
-Four things are put into copies of shaders: that values of pictures are as they are stored, the type `environment` in the background's, its direction, since skies have z up, and the
-light of its sun, which the suite's own table has too bright. Printed, by colours: the mean of the picture over that of the reference, the best of ref/*.exr, whose own
+Six things are put into copies of shaders: that values of pictures are as they are stored, the type `environment` in the background's, its direction, since skies have z up, the
+light of its sun, which the suite's own table has too bright, that the sky which lights surfaces is of no kind of ray, as that table has it, and `"multiscatter", 3` for microfacets that
+reflect, which is how the suite's own closures keep light between them; `--as-is` leaves the last two out. Printed, by colours: the mean of the picture over that of the reference, the best of ref/*.exr, whose own
 noise is a tenth of a percent to one percent; and the mean difference of the pictures at a quarter of their size.
 
 Means of each picture, of its quarters and differences are found by `oiiotool` (Debian: openimageio-tools).
@@ -118,8 +119,8 @@ def group_text(node):
 
 
 class Scene:
-    def __init__(self, folder, work, common):
-        self.folder, self.work = folder, work
+    def __init__(self, folder, work, common, as_is):
+        self.folder, self.work, self.as_is = folder, work, as_is
         self.meshes, self.groups, self.background, self.bounces = [], [], None, None
         for path in glob.glob(os.path.join(folder, "*.osl")):
             shutil.copyfile(path, os.path.join(work, os.path.basename(path)))
@@ -129,6 +130,8 @@ class Scene:
             text = open(path).read().replace("../common", common)
             # The suite's renderer takes pictures' values as they are.
             text = re.sub(r"(\btexture\s*\(\s*filename,[^;]*?)\)\s*;", r'\1, "colorspace", "raw");', text)
+            if not as_is:
+                text = re.sub(r"\b((?:conductor|generalized_schlick)_bsdf\s*\([^;]*\"ggx\")", r'\1, "multiscatter", 3', text)
             for name in re.findall(r"^\s*(?:surface|shader|displacement)\s+(\w+)", re.sub(r"//.*|/\*.*?\*/", "", text), re.M):
                 self.files[name] = text
         xml = [p for p in glob.glob(os.path.join(folder, "*.xml"))]
@@ -168,6 +171,9 @@ class Scene:
             # The suite's renderer sees a table of 1024 by 1024 cells in the sky's place, in which the sun of its scenes, 5 degrees
             # wide, is larger by this much (the share of cells whose middles lie in it).
             text = text.replace("sun / (1 - cos_ang)", "1.01402 * sun / (1 - cos_ang)")
+            if not self.as_is:
+                # The table is made for rays of no kind; only rays of the camera see the sky itself.
+                text = re.sub(r'\braytype\s*\(\s*"(?!camera)\w+"\s*\)', "0", text)
             # Skies have z up, scenes of the suite y.
             text = "#define I vector (I[0], I[2], -I[1])\n" + text
         open(os.path.join(self.work, as_name + ".osl"), "w").write(text)
@@ -233,6 +239,7 @@ def main():
     parser.add_argument("--only", nargs="*")
     parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("--keep")
+    parser.add_argument("--as-is", action="store_true")
     options = parser.parse_args()
     suite, gnurt = os.path.abspath(options.suite), os.path.abspath(options.gnurt)
     folder = os.path.join(suite, "testsuite")
@@ -248,7 +255,7 @@ def main():
         size = re.search(r"-r (\d+) (\d+)", open(os.path.join(folder, name, "run.py")).read()).groups()
         out = os.path.join(options.keep or work, name + ".exr")
         try:
-            scene = Scene(os.path.join(folder, name), work, os.path.join(folder, "common"))
+            scene = Scene(os.path.join(folder, name), work, os.path.join(folder, "common"), options.as_is)
             command = [gnurt, "render", os.path.join(work, "scene.obj"), *scene.write(), "--integrator", "path", "--spp", str(options.spp),
                        "--filter", "triangle", "--denoise=none", "-r", "x".join(size), "-o", out, "-q"]
             done = subprocess.run(command, capture_output=True, text=True)

@@ -112,11 +112,13 @@ impl<'a> Params<'a> {
         Slopes { tangent: self.vec3(tangent), along, across }
     }
 
-    /// Light between microfacets: 0 leaves to all sides, 1 leaves as light of one bounce, 2 is lost.
+    /// Light between microfacets: 0 leaves to all sides, 1 leaves as light of one bounce, 2 is lost, 3 is as 1 with the reflectance of
+    /// the facets that are seen.
     fn between_facets(&self) -> BetweenFacets {
         match self.int(self.shape.plain + 2) {
             1 => BetweenFacets::Scaled,
             2 => BetweenFacets::Lost,
+            3 => BetweenFacets::Seen,
             _ => BetweenFacets::Spread,
         }
     }

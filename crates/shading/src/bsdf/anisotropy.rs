@@ -106,6 +106,15 @@ impl<R: Real> Slopes<R> {
         Energy { average: [R::pick(anisotropy.is, a, plain_a), R::pick(anisotropy.is, b, plain_b)], ..plain }
     }
 
+    /// Mean scattering of microfacets that are alike in all directions, of the geometric mean of both widths.
+    #[inline(always)]
+    pub(super) fn even(&self) -> Energy<R> {
+        let Some(anisotropy) = &self.anisotropy else { return Energy::of(self.ggx) };
+        let along = self.ggx.alpha();
+        let width = R::pick(anisotropy.is, (along * anisotropy.across).root(), along);
+        Energy::of(Ggx::from_alpha(width))
+    }
+
     /// See [`Energy::split`]: of light from the direction `w` at the cosine `cos` > 0, or from all around at that cosine.
     #[inline(always)]
     pub(super) fn split(&self, w: Option<Vector<R>>, cos: R) -> [R; 2] {

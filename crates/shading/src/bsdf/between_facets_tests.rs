@@ -41,6 +41,28 @@ fn scaled_facets_are_those_of_one_bounce_times_a_factor() {
     }
 }
 
+/// The same with the reflectance of the facet that light met: 1 + F (1 - E) / E.
+#[test]
+fn facets_as_seen_are_those_of_one_bounce_times_a_factor() {
+    let (f0, f90) = (Vec3::new(0.9, 0.5, 0.2), Vec3::new(0.3, 0.5, 1.0));
+    for alpha in [0.2, 0.6, 1.0] {
+        let of =
+            |f0, f90, light| around_z(Lobe::microfacets(alpha, f0, f90).risen(3.0).between_facets(light));
+        let (once, seen) = (of(f0, f90, BetweenFacets::Lost), of(f0, f90, BetweenFacets::Seen));
+        let white = of(Vec3::ONE, Vec3::ONE, BetweenFacets::Lost);
+        for wo in [0.1, 0.9, 1.4].map(view) {
+            let kept = white.albedo(wo).x;
+            for wi in [view(0.3), view(-0.7), Vec3::new(0.2, 0.7, 0.3).normalize()] {
+                let rise = (1.0 - wo.dot((wo + wi).normalize())).powi(3);
+                let factor = (f0 + (f90 - f0) * rise) * ((1.0 - kept) / kept) + Vec3::ONE;
+                let (found, expected) = (seen.eval(wo, wi), once.eval(wo, wi) * factor);
+                let off = (found - expected).abs().max_element();
+                assert!(off <= 1e-3 * expected.max_element(), "{alpha} {wo} {wi}: {found}, not {expected}");
+            }
+        }
+    }
+}
+
 /// In a white furnace, facets that lose light lose it, and scaled ones do not, as the sum over many directions has it.
 #[test]
 fn white_scaled_facets_keep_all_light() {
@@ -59,9 +81,10 @@ fn white_scaled_facets_keep_all_light() {
         let facets = Lobe::microfacets(alpha, Vec3::ONE, Vec3::ONE);
         let metal = Lobe::metal(alpha, Vec3::splat(1e-3), Vec3::splat(1e4));
         for (lobe, wo) in [facets, metal].into_iter().flat_map(|lobe| [0.2, 1.0].map(|a| (lobe, view(a)))) {
-            let [scaled, lost] = [BetweenFacets::Scaled, BetweenFacets::Lost]
+            let [scaled, seen, lost] = [BetweenFacets::Scaled, BetweenFacets::Seen, BetweenFacets::Lost]
                 .map(|light| sum(&around_z(lobe.between_facets(light)), wo));
             assert!((scaled - 1.0).abs() < 0.01, "{alpha} {wo}: {scaled}");
+            assert!((seen - 1.0).abs() < 0.01, "{alpha} {wo}: {seen}");
             assert!(lost < 0.97, "{alpha} {wo}: {lost} is too much");
         }
     }

@@ -141,6 +141,10 @@ pub enum BetweenFacets {
     Scaled,
     /// It is lost.
     Lost,
+    /// It leaves as light that met one facet, after \[Tur19\] with the reflectance F of that facet, as MaterialX's own code has it: values
+    /// are times 1 + F (1 - E) / E, E the albedo of white facets after one bounce. For brushed facets E is that of even ones of the
+    /// geometric mean width, so that white ones lose light, up to a sixth. Values are not reciprocal.
+    Seen,
 }
 
 /// Rare features of lobes, as bits: lobes without them pay nothing.
@@ -199,7 +203,8 @@ pub struct Lobe {
     pub film: Film,
     /// Dispersion of glass: its index for blue-green light (486.1 nm) minus that for red (656.3 nm); 0 =
     /// none. Glass under Schlick's reflectances: the exponent of their rise, for reflection; less than 0 for
-    /// transmission. Microfacets that reflect: less than 0 if light of further bounces is in the lobe, less than -1 if it is lost.
+    /// transmission. Microfacets that reflect: less than 0 if light of further bounces is in the lobe: -1, -2 and -3 are
+    /// `BetweenFacets::{Scaled, Lost, Seen}`.
     pub spread: f32,
     /// The fraction of its scattered light that is missing below it.
     pub(super) cover: f32,
@@ -454,6 +459,7 @@ impl Lobe {
             BetweenFacets::Spread => 0.0,
             BetweenFacets::Scaled => -1.0,
             BetweenFacets::Lost => -2.0,
+            BetweenFacets::Seen => -3.0,
         };
         Self { spread, ..self }
     }

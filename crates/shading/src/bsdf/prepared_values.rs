@@ -107,26 +107,83 @@ impl<R: Real> PreparedLobe<R> {
         none.above(self.rarities.spread) & (self.is(Kind::Microfacets) | self.is(Kind::Metal))
     }
 
-    /// The factor of those for a view with this albedo of white microfacets.
+    /// The factor of those for a view at the cosine `cos` with this albedo of white microfacets.
     #[inline(always)]
-    fn scale(&self, split: [R; 2]) -> Vector<R> {
+    fn scale(&self, split: [R; 2], cos: R) -> Vector<R> {
         let one = self.cos.all(1.0);
-        let again = lost(split) / (split[0] + split[1]).or_more(one.all(1e-6));
+        let white = split[0] + split[1];
+        let again = lost(split) / white.or_more(one.all(1e-6));
         let kept = self.rarities.spread.above_all(-1.5);
-        self.slopes().energy().more_per_bounce(self.average()) * R::pick(kept, again, one.all(0.0))
-            + Vector::grey(one)
+        let plain = self.slopes().energy().more_per_bounce(self.average())
+            * R::pick(kept, again, one.all(0.0))
+            + Vector::grey(one);
+        let seen = self.is_seen();
+        if R::bits(seen) == 0 {
+            return plain;
+        }
+        let mean = self.once(cos, split).over(white.or_more(one.all(1e-6)));
+        let mean = Vector::pick(self.is(Kind::Metal), self.c, mean);
+        Vector::pick(seen, mean * self.again(cos) + Vector::grey(one), plain)
+    }
+
+    /// Microfacets of [`BetweenFacets::Seen`](super::BetweenFacets::Seen); they are scaled ones.
+    #[inline(always)]
+    fn is_seen(&self) -> R::Mask {
+        self.cos.all(-2.5).above(self.rarities.spread) & self.is_scaled()
+    }
+
+    /// Light of those that meets further facets, over light that does not, for white even ones at the cosine `cos`.
+    #[inline(always)]
+    fn again(&self, cos: R) -> R {
+        let even = self.slopes().even().split(cos);
+        lost(even) / (even[0] + even[1]).or_more(cos.all(1e-6))
+    }
+
+    /// Reflectance of a microfacet at the cosine `cos_h`.
+    #[inline(always)]
+    fn mirrored_by_facet(&self, cos_h: R) -> Vector<R> {
+        let mut rise = fresnel::schlick_rise(cos_h);
+        if self.rare & rare::POWER != 0 {
+            rise = cos_h.outline(
+                #[inline(always)]
+                || self.risen(rise),
+            );
+        }
+        let mut reflectance = self.a + (self.b - self.a) * rise;
+        if self.has(Kind::Metal) {
+            let metal = self.a.with(
+                self.b,
+                #[inline(always)]
+                |eta, k| fresnel::conductor(cos_h, eta, k),
+            );
+            reflectance = Vector::pick(self.is(Kind::Metal), metal, reflectance);
+        }
+        self.filmed(cos_h, reflectance)
     }
 
     /// The factor of values for a path that carries light and leaves to `wi` at the cosine `cos` > 0: the scale is that of the view.
     #[inline(always)]
     pub(super) fn rescaled(&self, wi: Vector<R>, cos: R) -> Vector<R> {
         let one = Vector::grey(self.cos.all(1.0));
-        let other = self.scale(self.split(Some(wi), cos)).with(
+        let other = self.scale(self.split(Some(wi), cos), cos).with(
             self.more,
             #[inline(always)]
             |there, here| there / here,
         );
-        Vector::pick(self.is_scaled(), other, one)
+        let mut factor = Vector::pick(self.is_scaled(), other, one);
+        let seen = self.is_seen();
+        if R::bits(seen) != 0 {
+            let met = self.mirrored_by_facet(self.wo.dot((self.wo + wi).normalize()));
+            let there = met * self.again(cos) + one;
+            let here = met * self.more + one;
+            let of_facet = there.with(
+                here,
+                #[inline(always)]
+                |there, here| there / here,
+            );
+            factor = Vector::pick(seen, of_facet, factor);
+        }
+        factor
     }
 
     /// Approximate albedo of single scattering at the cosine `cos`, if white light loses `lost`; exact
@@ -197,8 +254,12 @@ impl<R: Real> PreparedLobe<R> {
             let mut further = more * lost_here;
             let mut left = lost_here * energy.more_scale();
             if self.rare & rare::SCALED != 0 {
-                let (scaled, scale) = (self.is_scaled(), self.scale(split));
+                let (scaled, scale) = (self.is_scaled(), self.scale(split, self.cos));
                 more = Vector::pick(scaled, scale, more);
+                let seen = self.is_seen();
+                if R::bits(seen) != 0 {
+                    more = Vector::pick(seen, Vector::grey(self.again(self.cos)), more);
+                }
                 once = Vector::pick(scaled, once * scale, once);
                 further = Vector::pick(scaled, Vector::grey(zero), further);
                 left = R::pick(scaled, zero, left);
@@ -282,7 +343,7 @@ impl<R: Real> PreparedLobe<R> {
     pub(super) fn sent_back(&self, cos: R, split: [R; 2]) -> Vector<R> {
         let mut microfacets = self.once(cos, split) + self.more * lost(split);
         if self.rare & rare::SCALED != 0 {
-            let scaled = self.once(cos, split) * self.scale(split);
+            let scaled = self.once(cos, split) * self.scale(split, cos);
             microfacets = Vector::pick(self.is_scaled(), scaled, microfacets);
         }
         let is_microfacets = self.is(Kind::Microfacets);
@@ -396,28 +457,14 @@ impl<R: Real> PreparedLobe<R> {
                 let density = slopes.density(self.normal, h) / (self.cos * 4.0);
                 let (one, cos_h) = (i.all(1.0), self.wo.dot(h));
                 let lobe = density / (self.hidden + slopes.lambda(wi, i_front) + one);
-                let mut rise = fresnel::schlick_rise(cos_h);
-                if self.rare & rare::POWER != 0 {
-                    rise = cos_h.outline(
-                        #[inline(always)]
-                        || self.risen(rise),
-                    );
-                }
-                let mut reflectance = self.a + (self.b - self.a) * rise;
-                if self.has(Kind::Metal) {
-                    let metal = self.a.with(
-                        self.b,
-                        #[inline(always)]
-                        |eta, k| fresnel::conductor(cos_h, eta, k),
-                    );
-                    reflectance = Vector::pick(self.is(Kind::Metal), metal, reflectance);
-                }
-                reflectance = self.filmed(cos_h, reflectance);
+                let mut reflectance = self.mirrored_by_facet(cos_h);
                 let further = self.more * (self.lost * lost(split) * i_front);
                 let mixed = self.share_of_more.rest() * density / (self.hidden + one)
                     + self.share_of_more * by_cosine;
                 if self.rare & rare::SCALED != 0 {
-                    reflectance = Vector::pick(self.is_scaled(), reflectance * self.more, reflectance);
+                    let seen = reflectance * self.more + Vector::grey(one);
+                    let scale = Vector::pick(self.is_seen(), seen, self.more);
+                    reflectance = Vector::pick(self.is_scaled(), reflectance * scale, reflectance);
                 }
                 value = Vector::pick(is, reflectance * lobe + further, value);
                 pdf = R::pick(is, mixed, pdf);

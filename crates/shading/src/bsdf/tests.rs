@@ -97,6 +97,14 @@ fn rare_models() -> Vec<(&'static str, Lobes)> {
             "scaled brushed metal",
             white_metal(0.4).brushed(slant, 0.9).between_facets(BetweenFacets::Scaled).into(),
         ),
+        (
+            "scaled facets as seen",
+            Lobe::microfacets(0.6, white, white).between_facets(BetweenFacets::Seen).into(),
+        ),
+        (
+            "dark brushed metal scaled as seen",
+            white_metal(0.7).brushed(slant, 0.2).filmed(film).between_facets(BetweenFacets::Seen).into(),
+        ),
         ("scaled facets and body", Lobes::from(scaled(1.0)).mixed(Lobe::lambert(white), 0.5)),
         ("cloth scaled", Lobes::from(Lobe::sheen(white, 0.3)).over(scaled(0.6))),
         ("dark facets", Lobe::microfacets(0.7, white, white).between_facets(BetweenFacets::Lost).into()),

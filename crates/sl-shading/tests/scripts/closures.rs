@@ -178,9 +178,8 @@ fn light_between_facets_has_a_keyword() {
         "conductor_bsdf (N, vector (0), 0.5, 0.5, color (0.2), color (3), \"ggx\"",
     ] {
         let plain = only(&format!("{closure})"));
-        for (number, light) in
-            [BetweenFacets::Spread, BetweenFacets::Scaled, BetweenFacets::Lost].into_iter().enumerate()
-        {
+        use BetweenFacets::{Lost, Scaled, Seen, Spread};
+        for (number, light) in [Spread, Scaled, Lost, Seen].into_iter().enumerate() {
             let given = only(&format!("{closure}, \"multiscatter\", {number})"));
             assert_eq!(given, plain.between_facets(light), "{closure} {light:?}");
         }
