@@ -30,7 +30,7 @@ pub(super) struct LobeRows {
     /// [`Kind`] as a number.
     pub(super) kind: Row<f32>,
     /// Weight, normal, a, b, c; alpha, eta, cover.
-    pub(super) numbers: [Row<f32>; 18],
+    pub(super) numbers: [Row<f32>; 20],
     pub(super) layers_above: Row<u32>,
     /// Tangent, width across it; share, index and thickness of the film; spread of indices: meant where
     /// `rare` is not 0.
@@ -70,9 +70,9 @@ pub struct ClosureBatch {
 
 /// Those of [`LobeRows`].
 #[inline(always)]
-pub(super) fn numbers(lobe: &Lobe) -> [f32; 18] {
-    let Lobe { weight: w, normal: n, a, b, c, alpha, eta, cover, .. } = lobe;
-    [w.x, w.y, w.z, n.x, n.y, n.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, *alpha, *eta, *cover]
+pub(super) fn numbers(lobe: &Lobe) -> [f32; 20] {
+    let Lobe { weight: w, normal: n, a, b, c, alpha, eta, cover: v, .. } = lobe;
+    [w.x, w.y, w.z, n.x, n.y, n.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, *alpha, *eta, v.x, v.y, v.z]
 }
 
 impl LobeRows {
@@ -89,7 +89,7 @@ impl LobeRows {
         self.clear();
         self.kind.0[..count].fill(lobe.kind as u32 as f32);
         self.numbers.iter_mut().zip(numbers(lobe)).for_each(|(row, x)| row.0 = [x; LANES]);
-        (self.kinds, self.covers) = (lobe.kind.bit(), lobe.cover > 0.0);
+        (self.kinds, self.covers) = (lobe.kind.bit(), lobe.covers());
     }
 
     #[inline]
@@ -99,7 +99,7 @@ impl LobeRows {
         self.layers_above.0[i] = lobe.layers_above;
         self.kinds |= lobe.kind.bit();
         self.any_layer_above |= lobe.layers_above;
-        self.covers |= lobe.cover > 0.0;
+        self.covers |= lobe.covers();
         self.any_subsurface |= lobe.is_subsurface();
         let rare = lobe.rare();
         if rare != 0 {
@@ -128,7 +128,7 @@ impl LobeRows {
             c: v(12),
             alpha: self.numbers[15].0[i],
             eta: self.numbers[16].0[i],
-            cover: self.numbers[17].0[i],
+            cover: v(17),
             layers_above: self.layers_above.0[i],
             tangent: Vec3::new(x, y, z),
             across,
@@ -159,7 +159,7 @@ impl LobeRows {
             c: self.vector(simd, 12),
             alpha: self.row(simd, 15),
             eta: self.row(simd, 16),
-            cover: self.row(simd, 17),
+            cover: self.vector(simd, 17),
             layers_above: &self.layers_above.0,
             any_layer_above: self.any_layer_above,
             covers: self.covers,
@@ -244,7 +244,7 @@ impl ClosureBatch {
             block.count = 1;
             let lobe = &mut block.lobes[0];
             lobe.fill(count, &black);
-            let [.., r, g, b, _, _, _, _, _, _, _, _, _] = &mut lobe.numbers;
+            let [_, _, _, _, _, _, r, g, b, ..] = &mut lobe.numbers;
             for i in 0..count {
                 (r.0[i], g.0[i], b.0[i]) = albedo(first + i).into();
             }

@@ -129,7 +129,7 @@ impl<'a> Lists<'a> {
                 rows.any_layer_above |= lobe.layers_above;
             }
             rows.kinds |= lobe.kind.bit();
-            rows.covers |= lobe.cover > 0.0;
+            rows.covers |= lobe.covers();
             rows.any_subsurface |= lobe.is_subsurface();
         });
     }
@@ -190,7 +190,7 @@ impl<'a> Lists<'a> {
     /// Layers the entries in the lists of some points from `top` to `base` over the following ones:
     /// [`Lobes::over`](super::Lobes::over).
     pub fn layer(&mut self, lanes: u32, top: &Ends, base: &Ends) {
-        let (mut hidden, mut above) = ([0.0_f32; LANES], [0_u32; LANES]);
+        let (mut hidden, mut above) = ([[0.0_f32; LANES]; 3], [0_u32; LANES]);
         for entry in 0..self.block.count as usize {
             let rows = &mut self.block.lobes[entry];
             for i in LanesOf(u64::from(lanes)) {
@@ -198,14 +198,16 @@ impl<'a> Lists<'a> {
                     continue;
                 }
                 let [cover, hides] = rows.get(i).above();
-                hidden[i] += hides;
-                rows.numbers[COVER].0[i] = cover;
-                rows.covers |= cover > 0.0;
+                for (k, (cover, hides)) in cover.to_array().into_iter().zip(hides.to_array()).enumerate() {
+                    hidden[k][i] += hides;
+                    rows.numbers[COVER + k].0[i] = cover;
+                    rows.covers |= cover > 0.0;
+                }
                 above[i] |= 1 << entry;
             }
         }
-        let shown = hidden.map(|hidden| (1.0 - hidden).max(0.0));
-        self.times(lanes, base, &[shown; 3]);
+        let shown = hidden.map(|row| row.map(|hidden| (1.0 - hidden).max(0.0)));
+        self.times(lanes, base, &shown);
         self.each_since(lanes, base, |rows, same| {
             for i in LanesOf(u64::from(same)) {
                 rows.layers_above.0[i] |= above[i];
@@ -255,5 +257,5 @@ impl<'a> Lists<'a> {
     }
 }
 
-/// The index of a lobe's cover among its numbers.
+/// The index of the first of a lobe's covers among its numbers.
 const COVER: usize = 17;

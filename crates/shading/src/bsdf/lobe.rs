@@ -206,8 +206,8 @@ pub struct Lobe {
     /// transmission. Microfacets that reflect: less than 0 if light of further bounces is in the lobe: -1, -2 and -3 are
     /// `BetweenFacets::{Scaled, Lost, Seen}`.
     pub spread: f32,
-    /// The fraction of its scattered light that is missing below it.
-    pub(super) cover: f32,
+    /// The fraction of its scattered light that is missing below it, by colours.
+    pub(super) cover: Vec3,
     /// Bits of the lobes of its point that lie above it.
     pub(super) layers_above: u32,
 }
@@ -522,11 +522,16 @@ impl Lobe {
         brushed | bit(risen, rare::POWER) | film | light
     }
 
-    /// Its effect on lobes below: dimming per scattered light, and constant dimming.
-    pub(super) fn above(&self) -> [f32; 2] {
-        let weight = self.weight.max_element();
+    /// Whether light is missing below it.
+    pub(super) fn covers(&self) -> bool {
+        self.cover.max_element() > 0.0
+    }
+
+    /// Its effect on lobes below, by colours: dimming per scattered light, and constant dimming.
+    pub(super) fn above(&self) -> [Vec3; 2] {
+        let weight = self.weight;
         let through = match self.kind {
-            Kind::Diffuse | Kind::Metal | Kind::Translucent => return [0.0, weight],
+            Kind::Diffuse | Kind::Metal | Kind::Translucent => return [Vec3::ZERO, weight],
             Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane | Kind::Beckmann => {
                 self.b.max_element().clamp(0.0, 1.0)
             }

@@ -125,19 +125,19 @@ impl Lobes {
     }
 
     /// It above `base`, which gets the rest of the light. A `base` with microfacets loses the larger loss of
-    /// both directions, a diffuse one loses both, so that a white body reflects all light. A diffuse lobe or
-    /// a metal hides `base` by its weight, whatever its colour: it absorbs the rest. Light transmitted by
+    /// both directions, a diffuse one loses both, so that a white body reflects all light. Each colour is by itself, as are
+    /// weights. A diffuse lobe or a metal hides `base` by its weight, whatever its reflectance: it absorbs the rest. Light transmitted by
     /// glass does not reach `base` either.
     #[must_use]
     pub fn over(mut self, base: impl Into<Self>) -> Self {
         let above = (1_u32 << self.count) - 1;
-        let mut hidden = 0.0;
+        let mut hidden = Vec3::ZERO;
         for lobe in self.as_mut_slice() {
             let [cover, hides] = lobe.above();
             lobe.cover = cover;
             hidden += hides;
         }
-        let base = base.into().times(Vec3::splat((1.0 - hidden).max(0.0)));
+        let base = base.into().times((Vec3::ONE - hidden).max(Vec3::ZERO));
         let first = self.count;
         for lobe in base.as_slice() {
             self.push(Lobe { layers_above: lobe.layers_above << first | above, ..*lobe });

@@ -18,7 +18,7 @@ pub(crate) struct LobesAt<'a, R> {
     pub(super) c: Vector<R>,
     pub(super) alpha: R,
     pub(super) eta: R,
-    pub(super) cover: R,
+    pub(super) cover: Vector<R>,
     /// Which lobes lie above, by point; a bit set for all of them.
     pub(super) layers_above: &'a [u32],
     pub(super) any_layer_above: u32,
@@ -76,10 +76,10 @@ impl<'a> LobesAt<'a, f32> {
             c: lobe.c.into(),
             alpha: lobe.alpha,
             eta: lobe.eta,
-            cover: lobe.cover,
+            cover: lobe.cover.into(),
             layers_above: std::slice::from_ref(&lobe.layers_above),
             any_layer_above: lobe.layers_above,
-            covers: lobe.cover > 0.0,
+            covers: lobe.covers(),
             rare: lobe.rare(),
             rarities: Rarities {
                 tangent: lobe.tangent.into(),

@@ -105,7 +105,10 @@ impl<R: Real> Prepared<R> {
             lobe.wo = Vector::pick(raised, lifted, wo);
             lobe.cos = R::pick(raised, lobe.normal.dot(lifted), cos);
             (lobe.a, lobe.b, lobe.c) = (from.a, from.b, from.c);
-            (lobe.alpha, lobe.eta, lobe.cover) = (from.alpha, from.eta, from.cover);
+            (lobe.alpha, lobe.eta) = (from.alpha, from.eta);
+            if from.covers {
+                lobe.cover = from.cover;
+            }
             (lobe.covers, lobe.any_layer_above) = (from.covers, from.any_layer_above);
             (lobe.weight, lobe.left) = (from.weight, Vector::grey(one));
             lobe.rare = from.rare;

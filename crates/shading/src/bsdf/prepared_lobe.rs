@@ -37,7 +37,7 @@ pub(super) struct PreparedLobe<R> {
     /// Chance that it is drawn from; that further bounces are, if it is.
     pub(super) probability: R,
     pub(super) share_of_more: R,
-    pub(super) cover: R,
+    pub(super) cover: Vector<R>,
     pub(super) covers: bool,
     /// Bits of the points below each of the lobes before.
     pub(super) layers_above: [u32; MOST],
@@ -69,7 +69,7 @@ impl<Q: Copy> PreparedLobe<Q> {
             lost: zero,
             probability: zero,
             share_of_more: zero,
-            cover: zero,
+            cover: black,
             covers: false,
             layers_above: [0; MOST],
             any_layer_above: 0,
@@ -97,7 +97,9 @@ impl<Q: Copy> PreparedLobe<Q> {
         f(&mut self.lost, &other.lost);
         f(&mut self.probability, &other.probability);
         f(&mut self.share_of_more, &other.share_of_more);
-        f(&mut self.cover, &other.cover);
+        if self.covers | other.covers {
+            self.cover.each_with(&other.cover, &mut f);
+        }
         if self.rare | other.rare != 0 {
             self.rarities.each_with(&other.rarities, &mut f);
         }

@@ -124,11 +124,11 @@ impl Principled {
         let mut above = 0;
         if p.coat > 0.0 {
             let (weight, normal) = (Vec3::splat(p.coat), p.coat_normal);
-            let coat = Lobe { weight, normal, cover: p.coat, ..Lobe::coat(p.coat_alpha) };
+            let coat = Lobe { weight, normal, cover: Vec3::splat(p.coat), ..Lobe::coat(p.coat_alpha) };
             above = lobes.put(coat, 0);
         }
         if p.sheen != Vec3::ZERO {
-            let cover = p.sheen.max_element();
+            let cover = Vec3::splat(p.sheen.max_element());
             above |= lobes.put(Lobe { cover, ..Lobe::sheen(p.sheen, p.sheen_roughness) }, above);
         }
         let microfacets = |lobe: Lobe| {
@@ -139,7 +139,7 @@ impl Principled {
         if plastic > 0.0 {
             let weight = Vec3::splat(plastic);
             let lobe = microfacets(Lobe::microfacets(p.alpha, p.f0, Vec3::splat(p.f90)));
-            let above = above | lobes.put(Lobe { weight, cover: 1.0, ..lobe }, above);
+            let above = above | lobes.put(Lobe { weight, cover: Vec3::ONE, ..lobe }, above);
             let body = plastic * (1.0 - translucence);
             if body > 0.0 && p.subsurface < 1.0 {
                 let weight = Vec3::splat(body * (1.0 - p.subsurface));

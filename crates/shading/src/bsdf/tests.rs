@@ -317,6 +317,26 @@ fn densities_and_values_integrate() {
     }
 }
 
+/// Each colour of a layer takes from its own colour below, and leaves the others alone.
+#[test]
+fn layers_hide_by_colours() {
+    let body = Lobe::lambert(Vec3::ONE);
+    let tops = [
+        Lobe::sheen(Vec3::ONE, 0.5).into(),
+        Lobe::microfacets(0.4, Vec3::splat(0.3), Vec3::ONE).into(),
+        Lobes::from(Lobe::lambert(Vec3::splat(0.4))),
+    ];
+    for top in tops {
+        let of = |weight: Vec3| around_z(top.clone().times(weight).over(body));
+        let (bare, all, some) = (of(Vec3::ZERO), of(Vec3::ONE), of(Vec3::Y));
+        let (wo, wi) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.48, 0.6, 0.64));
+        let [bare, all, some] = [bare, all, some].map(|bsdf| bsdf.eval(wo, wi));
+        let expected = Vec3::new(bare.x, all.y, bare.z);
+        assert!((some - expected).abs().max_element() < 1e-6, "{some}, not {expected}");
+        assert!((bare.y - all.y).abs() > 1e-3, "the layer is seen");
+    }
+}
+
 /// A layer over white microfacets: they lose the larger loss of both directions, and no light is created.
 #[test]
 fn facets_lose_the_larger_share_below_layers() {
@@ -726,14 +746,10 @@ fn kept_copies_have_the_bits_of_what_is_seen() {
 fn layers_are_as_they_are_put_together() {
     let tint = Vec3::new(0.8, 0.5, 0.3);
     let plain = Principled::new(tint, 0.3, 0.5, 1.5);
-    let p = Principled {
-        coat: 0.6,
-        coat_alpha: 0.1,
-        sheen: tint,
-        sheen_roughness: 0.4,
-        transmission: 0.25,
-        ..plain
-    };
+    // Coloured sheen takes as much of all colours here, as glTF has it, and by colours there.
+    let sheen = Vec3::splat(0.7);
+    let p =
+        Principled { coat: 0.6, coat_alpha: 0.1, sheen, sheen_roughness: 0.4, transmission: 0.25, ..plain };
     let plastic = Lobes::from(Lobe::microfacets(p.alpha, p.f0, Vec3::splat(p.f90))).over(Lobe::lambert(tint));
     let glass = Lobes::from(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, tint, p.thin));
     let metal = Lobes::from(Lobe::microfacets(p.alpha, tint, Vec3::ONE));
@@ -741,7 +757,7 @@ fn layers_are_as_they_are_put_together() {
     let rest = 1.0 - p.metallic;
     let body = by(plastic, rest * (1.0 - p.transmission)).plus(by(metal, p.metallic));
     let body = body.plus(by(glass, rest * p.transmission));
-    let cloth = Lobes::from(Lobe::sheen(tint, p.sheen_roughness)).over(body);
+    let cloth = Lobes::from(Lobe::sheen(sheen, p.sheen_roughness)).over(body);
     let coated = by(Lobe::coat(p.coat_alpha).into(), p.coat).over(cloth);
     assert_eq!(Lobes::from(p), coated, "the same lobes, one below the other");
 }
