@@ -160,6 +160,11 @@ impl<I: Isa> Emitter<'_, I> {
     }
 
     fn region(&mut self, region: &Region) {
+        self.region_of_loop(region, &[]);
+    }
+
+    /// A region that is a loop's iteration and has cells in registers.
+    fn region_of_loop(&mut self, region: &Region, carried: &[u32]) {
         let [lane_bits, scratch, spills] = self.layout.areas();
         let one = region.tests.is_empty()
             && region
@@ -167,8 +172,14 @@ impl<I: Isa> Emitter<'_, I> {
                 .iter()
                 .all(|&(cell, _)| matches!(self.layout.address(cell), CellAddress::One(_)));
         let width = if one { Width::One } else { self.wide };
-        let most =
-            region::region(&mut self.asm, self.layout, region, width, Areas { spills, scratch, lane_bits });
+        let most = region::region(
+            &mut self.asm,
+            self.layout,
+            region,
+            width,
+            Areas { spills, scratch, lane_bits },
+            carried,
+        );
         self.most = self.most.max(most);
     }
 
@@ -252,9 +263,17 @@ impl<I: Isa> Emitter<'_, I> {
             self.go_on(inner.live);
             self.asm.jump_if_zero(A, done);
         }
+        let mut carried = Vec::new();
+        if let [Node::Region(region)] = &inner.iteration[..] {
+            carried = region::carried::<I>(self.layout, region, self.wide);
+            region::load_carried(&mut self.asm, self.layout, &carried, self.wide);
+        }
         self.asm.text().bind(top);
         self.spend_fuel([inner.turns, inner.say, inner.stopped], done);
-        self.block(&inner.iteration);
+        match &inner.iteration[..] {
+            [Node::Region(region)] => self.region_of_loop(region, &carried),
+            nodes => self.block(nodes),
+        }
         self.go_on(inner.live);
         self.asm.jump_if_not_zero(A, top);
         self.asm.text().bind(done);

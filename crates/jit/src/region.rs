@@ -33,6 +33,9 @@ struct Emitter<'a, I> {
     spills: u32,
     free: Vec<u32>,
     locked: u32,
+    /// Cells of a loop that stay in registers, this part's; and the registers of those of all parts.
+    carried: Vec<(u32, u8)>,
+    taken: u32,
     /// Values that are masks, where there are registers for such; their registers, 0 for none.
     masks: &'a [bool],
     home: Vec<u8>,
@@ -56,6 +59,42 @@ fn masks(region: &Region) -> Vec<bool> {
     masks
 }
 
+/// The cells that stay in registers from one iteration of a loop to the next, if a region is the loop's iteration: some of those that
+/// it reads and changes.
+pub(crate) fn carried<I: Isa>(layout: &Layout, region: &Region, width: Width) -> Vec<u32> {
+    let parts = layout.lanes.div_ceil(width.lanes());
+    let live = region.live();
+    let is_read = |cell: u32| {
+        region.ops.iter().zip(&live).any(|(op, &live)| live && matches!(*op, Op::Cell(c) if c == cell))
+    };
+    // What is stored elsewhere or tested must not be overwritten before.
+    let is_out = |cell: u32| {
+        let mut outs = region.stores.iter().chain(&region.tests);
+        outs.any(|&(_, id)| matches!(region.ops[id as usize], Op::Cell(c) if c == cell))
+    };
+    let cells = region.stores.iter().map(|&(cell, _)| cell);
+    let each = cells.filter(|&cell| matches!(layout.address(cell), CellAddress::Each(_)));
+    each.filter(|&cell| is_read(cell) && !is_out(cell)).take(I::registers(width) / 3 / parts).collect()
+}
+
+/// The register of a carried cell.
+fn home<I: Isa>(width: Width, (part, parts): (usize, usize), number: usize) -> u8 {
+    (I::registers(width) - 1 - number * parts - part) as u8
+}
+
+/// Loads the carried cells of a loop before its first iteration.
+pub(crate) fn load_carried<I: Isa>(asm: &mut I, layout: &Layout, cells: &[u32], width: Width) {
+    let parts = layout.lanes.div_ceil(width.lanes());
+    for part in 0..parts {
+        for (number, &cell) in cells.iter().enumerate() {
+            if let CellAddress::Each(at) = layout.address(cell) {
+                let reg = home::<I>(width, (part, parts), number);
+                asm.load(width, reg, at + 4 * (part * width.lanes()) as u32);
+            }
+        }
+    }
+}
+
 /// Writes the instructions of a region. Returns how many spill slots it needs.
 pub(crate) fn region<I: Isa>(
     asm: &mut I,
@@ -63,6 +102,7 @@ pub(crate) fn region<I: Isa>(
     region: &Region,
     width: Width,
     areas: Areas,
+    carried: &[u32],
 ) -> u32 {
     let live = region.live();
     let count = region.ops.len();
@@ -100,8 +140,15 @@ pub(crate) fn region<I: Isa>(
         if I::mask_registers(width).is_empty() { vec![false; region.ops.len()] } else { masks(region) };
     let mut most = 0;
     let lanes = if width == Width::One { 1 } else { layout.lanes };
+    let parts = lanes.div_ceil(width.lanes());
+    let home = |part: usize, number: usize| home::<I>(width, (part, parts), number);
+    let taken = (0..parts * carried.len()).fold(0, |bits, i| bits | 1 << home(0, 0).wrapping_sub(i as u8));
     for lane in (0..lanes).step_by(width.lanes()) {
+        let part = lane / width.lanes();
+        let of_part = carried.iter().enumerate().map(|(number, &cell)| (cell, home(part, number)));
         let mut emitter = Emitter {
+            carried: of_part.collect(),
+            taken,
             asm,
             layout,
             region,
@@ -117,7 +164,7 @@ pub(crate) fn region<I: Isa>(
             pinned: &pinned,
             spills: 0,
             free: Vec::new(),
-            locked: 0,
+            locked: taken,
             masks: &masks,
             home: vec![0; count],
             kept: [None; 8],
@@ -137,11 +184,11 @@ impl<I: Isa> Emitter<'_, I> {
                 self.ensure(i as Id);
             }
         }
-        self.locked = 0;
+        self.locked = self.taken;
         for (i, &needed) in live.iter().enumerate() {
             if needed && !matches!(self.region.ops[i], Op::Cell(_) | Op::Const(_) | Op::Exec) {
                 self.operation(i as Id);
-                (self.locked, self.kept_locked) = (0, 0);
+                (self.locked, self.kept_locked) = (self.taken, 0);
             }
         }
         for k in 0..self.region.stores.len() {
@@ -153,8 +200,11 @@ impl<I: Isa> Emitter<'_, I> {
                 CellAddress::One(at) if last => self.asm.store_one(self.width, reg, at),
                 CellAddress::One(_) => {}
             }
+            if let Some(&(_, home)) = self.carried.iter().find(|c| c.0 == cell) {
+                self.asm.copy(self.width, home, reg);
+            }
             self.used(id);
-            self.locked = 0;
+            self.locked = self.taken;
         }
         for k in 0..self.region.tests.len() {
             let (slot, id) = self.region.tests[k];
@@ -167,7 +217,7 @@ impl<I: Isa> Emitter<'_, I> {
                 self.asm.write_test(self.width, reg, self.lane, at, self.areas);
             }
             self.used(id);
-            (self.locked, self.kept_locked) = (0, 0);
+            (self.locked, self.kept_locked) = (self.taken, 0);
         }
     }
 
@@ -250,6 +300,11 @@ impl<I: Isa> Emitter<'_, I> {
         if reg != NONE {
             self.locked |= 1 << reg;
             return reg as u8;
+        }
+        if let Op::Cell(cell) = self.region.ops[id as usize]
+            && let Some(&(_, home)) = self.carried.iter().find(|c| c.0 == cell)
+        {
+            return home;
         }
         let reg = self.take();
         if self.home[id as usize] != 0 {
@@ -419,6 +474,7 @@ impl<I: Isa> Emitter<'_, I> {
         for source in sources {
             if let Source::Reg(r) = *source
                 && self.holds[r as usize].is_none()
+                && self.taken & 1 << r == 0
             {
                 return r;
             }
@@ -464,7 +520,9 @@ impl<I: Isa> Emitter<'_, I> {
             for x in [m, a, b] {
                 self.used(x);
             }
-            let free = self.holds[mask as usize].is_none() && mask != yes && no != Source::Reg(mask);
+            let is_ours = self.taken & 1 << mask == 0;
+            let free =
+                is_ours && self.holds[mask as usize].is_none() && mask != yes && no != Source::Reg(mask);
             let to = if free { mask } else { self.take() };
             if to != mask {
                 self.asm.copy(self.width, to, mask);
