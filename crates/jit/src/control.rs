@@ -160,26 +160,24 @@ impl<I: Isa> Emitter<'_, I> {
     }
 
     fn region(&mut self, region: &Region) {
-        self.region_of_loop(region, &[]);
+        self.region_of_loop(region, &region::Carried::default());
     }
 
-    /// A region that is a loop's iteration and has cells in registers.
-    fn region_of_loop(&mut self, region: &Region, carried: &[u32]) {
+    fn areas(&self) -> Areas {
         let [lane_bits, scratch, spills] = self.layout.areas();
+        Areas { spills, scratch, lane_bits }
+    }
+
+    /// A region that is a loop's iteration.
+    fn region_of_loop(&mut self, region: &Region, carried: &region::Carried) {
+        let areas = self.areas();
         let one = region.tests.is_empty()
             && region
                 .stores
                 .iter()
                 .all(|&(cell, _)| matches!(self.layout.address(cell), CellAddress::One(_)));
         let width = if one { Width::One } else { self.wide };
-        let most = region::region(
-            &mut self.asm,
-            self.layout,
-            region,
-            width,
-            Areas { spills, scratch, lane_bits },
-            carried,
-        );
+        let most = region::region(&mut self.asm, self.layout, region, width, areas, carried);
         self.most = self.most.max(most);
     }
 
@@ -263,10 +261,11 @@ impl<I: Isa> Emitter<'_, I> {
             self.go_on(inner.live);
             self.asm.jump_if_zero(A, done);
         }
-        let mut carried = Vec::new();
+        let mut carried = region::Carried::default();
         if let [Node::Region(region)] = &inner.iteration[..] {
-            carried = region::carried::<I>(self.layout, region, self.wide);
-            region::load_carried(&mut self.asm, self.layout, &carried, self.wide);
+            carried = region::carried::<I>(self.layout, region, self.wide, inner.live);
+            let areas = self.areas();
+            region::load_carried(&mut self.asm, self.layout, &carried, self.wide, areas);
         }
         self.asm.text().bind(top);
         self.spend_fuel([inner.turns, inner.say, inner.stopped], done);

@@ -41,6 +41,10 @@ struct Emitter<'a, I> {
     home: Vec<u8>,
     kept: [Option<Id>; 8],
     kept_locked: u8,
+    /// See [`Carried::live`]; where that mask is.
+    live: Option<u32>,
+    exec_mask: Option<u8>,
+    exec_row: Option<u8>,
 }
 
 /// Which values of a region are masks, and only made of such.
@@ -59,15 +63,40 @@ fn masks(region: &Region) -> Vec<bool> {
     masks
 }
 
-/// The cells that stay in registers from one iteration of a loop to the next, if a region is the loop's iteration: some of those that
-/// it reads and changes.
-pub(crate) fn carried<I: Isa>(layout: &Layout, region: &Region, width: Width) -> Vec<u32> {
+/// Values that stay in registers from one iteration of a loop to the next, where a region is the loop's iteration.
+#[derive(Debug, Default)]
+pub(crate) struct Carried {
+    /// Some cells of those that it reads and changes.
+    cells: Vec<u32>,
+    /// The slot of the test that keeps lanes, if the mask of those that run is carried.
+    live: Option<u32>,
+}
+
+impl Carried {
+    /// The mask's register among those for masks.
+    fn mask<I: Isa>(&self, width: Width) -> Option<u8> {
+        self.live.and_then(|_| I::mask_registers(width).next_back()).map(|k| k as u8)
+    }
+
+    /// The mask's number among carried rows where it is one.
+    fn row<I: Isa>(&self, width: Width) -> Option<usize> {
+        self.live.filter(|_| I::mask_registers(width).is_empty()).map(|_| self.cells.len())
+    }
+}
+
+/// For a loop whose lanes go on by the test of the slot `live`.
+pub(crate) fn carried<I: Isa>(layout: &Layout, region: &Region, width: Width, live: u32) -> Carried {
+    let is_plain = layout.lanes > 1 && region.tests.len() == 1 && region.tests[0].0 == live;
+    Carried { cells: carried_cells::<I>(layout, region, width), live: is_plain.then_some(live) }
+}
+
+fn carried_cells<I: Isa>(layout: &Layout, region: &Region, width: Width) -> Vec<u32> {
     let parts = layout.lanes.div_ceil(width.lanes());
     let live = region.live();
     let is_read = |cell: u32| {
         region.ops.iter().zip(&live).any(|(op, &live)| live && matches!(*op, Op::Cell(c) if c == cell))
     };
-    // What is stored elsewhere or tested must not be overwritten before.
+    // A value that is stored elsewhere or tested must not be overwritten before.
     let is_out = |cell: u32| {
         let mut outs = region.stores.iter().chain(&region.tests);
         outs.any(|&(_, id)| matches!(region.ops[id as usize], Op::Cell(c) if c == cell))
@@ -82,15 +111,27 @@ fn home<I: Isa>(width: Width, (part, parts): (usize, usize), number: usize) -> u
     (I::registers(width) - 1 - number * parts - part) as u8
 }
 
-/// Loads the carried cells of a loop before its first iteration.
-pub(crate) fn load_carried<I: Isa>(asm: &mut I, layout: &Layout, cells: &[u32], width: Width) {
+/// Loads the values that a loop carries, before its first iteration.
+pub(crate) fn load_carried<I: Isa>(
+    asm: &mut I,
+    layout: &Layout,
+    carried: &Carried,
+    width: Width,
+    areas: Areas,
+) {
+    if let Some(k) = carried.mask::<I>(width) {
+        asm.load_mask(k, Layout::EXEC);
+    }
     let parts = layout.lanes.div_ceil(width.lanes());
     for part in 0..parts {
-        for (number, &cell) in cells.iter().enumerate() {
+        let lane = (part * width.lanes()) as u32;
+        for (number, &cell) in carried.cells.iter().enumerate() {
             if let CellAddress::Each(at) = layout.address(cell) {
-                let reg = home::<I>(width, (part, parts), number);
-                asm.load(width, reg, at + 4 * (part * width.lanes()) as u32);
+                asm.load(width, home::<I>(width, (part, parts), number), at + 4 * lane);
             }
+        }
+        if let Some(number) = carried.row::<I>(width) {
+            asm.exec(width, home::<I>(width, (part, parts), number), lane, areas);
         }
     }
 }
@@ -102,7 +143,7 @@ pub(crate) fn region<I: Isa>(
     region: &Region,
     width: Width,
     areas: Areas,
-    carried: &[u32],
+    carried: &Carried,
 ) -> u32 {
     let live = region.live();
     let count = region.ops.len();
@@ -142,10 +183,12 @@ pub(crate) fn region<I: Isa>(
     let lanes = if width == Width::One { 1 } else { layout.lanes };
     let parts = lanes.div_ceil(width.lanes());
     let home = |part: usize, number: usize| home::<I>(width, (part, parts), number);
-    let taken = (0..parts * carried.len()).fold(0, |bits, i| bits | 1 << home(0, 0).wrapping_sub(i as u8));
+    let row = carried.row::<I>(width);
+    let rows = carried.cells.len() + usize::from(row.is_some());
+    let taken = (0..parts * rows).fold(0, |bits, i| bits | 1 << home(0, 0).wrapping_sub(i as u8));
     for lane in (0..lanes).step_by(width.lanes()) {
         let part = lane / width.lanes();
-        let of_part = carried.iter().enumerate().map(|(number, &cell)| (cell, home(part, number)));
+        let of_part = carried.cells.iter().enumerate().map(|(number, &cell)| (cell, home(part, number)));
         let mut emitter = Emitter {
             carried: of_part.collect(),
             taken,
@@ -169,6 +212,9 @@ pub(crate) fn region<I: Isa>(
             home: vec![0; count],
             kept: [None; 8],
             kept_locked: 0,
+            live: carried.live,
+            exec_mask: carried.mask::<I>(width),
+            exec_row: row.map(|number| home(part, number)),
         };
         emitter.emit(&live, lane + width.lanes() >= lanes);
         most = most.max(emitter.spills);
@@ -177,18 +223,30 @@ pub(crate) fn region<I: Isa>(
 }
 
 impl<I: Isa> Emitter<'_, I> {
+    /// No register is in use but those of carried values.
+    fn unlock(&mut self) {
+        self.locked = self.taken;
+        self.kept_locked = self.exec_mask.map_or(0, |k| 1 << k);
+    }
+
     fn emit(&mut self, live: &[bool], last: bool) {
+        self.unlock();
+        if let Some(k) = self.exec_mask {
+            for (home, op) in self.home.iter_mut().zip(&self.region.ops) {
+                *home = if *op == Op::Exec { k } else { *home };
+            }
+        }
         // Constants and cells are loaded where they are needed, but cells that change are loaded before they do.
         for (i, &needed) in live.iter().enumerate() {
             if needed && self.pinned[i] {
                 self.ensure(i as Id);
             }
         }
-        self.locked = self.taken;
+        self.unlock();
         for (i, &needed) in live.iter().enumerate() {
             if needed && !matches!(self.region.ops[i], Op::Cell(_) | Op::Const(_) | Op::Exec) {
                 self.operation(i as Id);
-                (self.locked, self.kept_locked) = (self.taken, 0);
+                self.unlock();
             }
         }
         for k in 0..self.region.stores.len() {
@@ -204,20 +262,32 @@ impl<I: Isa> Emitter<'_, I> {
                 self.asm.copy(self.width, home, reg);
             }
             self.used(id);
-            self.locked = self.taken;
+            self.unlock();
         }
         for k in 0..self.region.tests.len() {
             let (slot, id) = self.region.tests[k];
             let at = Layout::slot(slot);
-            if self.masks[id as usize] {
+            let keeps = self.live == Some(slot);
+            let exec_mask = self.exec_mask.filter(|_| keeps);
+            if self.masks[id as usize] || exec_mask.is_some() {
                 let k = self.ensure_mask(id);
+                if let Some(exec) = exec_mask {
+                    self.asm.combine_masks(Binary::And, exec, exec, k);
+                }
                 self.asm.write_mask(k, at);
             } else {
                 let reg = self.ensure(id);
+                if let Some(exec) = self.exec_row.filter(|_| keeps) {
+                    // The test is in signs.
+                    let all = self.take();
+                    self.asm.zero(self.width, all);
+                    self.asm.binary(self.width, Binary::IntGreater, all, all, Source::Reg(reg));
+                    self.asm.binary(self.width, Binary::And, exec, exec, Source::Reg(all));
+                }
                 self.asm.write_test(self.width, reg, self.lane, at, self.areas);
             }
             self.used(id);
-            (self.locked, self.kept_locked) = (self.taken, 0);
+            self.unlock();
         }
     }
 
@@ -304,6 +374,9 @@ impl<I: Isa> Emitter<'_, I> {
         if let Op::Cell(cell) = self.region.ops[id as usize]
             && let Some(&(_, home)) = self.carried.iter().find(|c| c.0 == cell)
         {
+            return home;
+        }
+        if let (Op::Exec, Some(home)) = (self.region.ops[id as usize], self.exec_row) {
             return home;
         }
         let reg = self.take();

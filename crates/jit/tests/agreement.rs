@@ -164,6 +164,34 @@ fn loops() {
     body(0, "int i; for (i = 0; i < 10; i += 2) { if (v < 0.2 * i) { k = i; break; } o += v; } f = i;");
 }
 
+/// Variables change places, are kept by lanes that leave, and are more than registers.
+#[test]
+fn loops_keep_their_variables() {
+    body(
+        0,
+        "float a = u, b = v, c = 1; int n = int (v * 9); for (int i = 0; i < n; ++i) { float t = a; a = b; b = c; c = t; f += a * i; if (f > 3) break; } o = color (a, b, c); k = n;",
+    );
+    body(
+        0,
+        "int i = 0; float last = 0; while (i < u * 7) { f = last; last = i * v; i += 1; } o = last; k = i;",
+    );
+    body(
+        0,
+        "int i = 5; int go = 1; do { go = i > int (u * 5); i -= go; f += v; if (f > 1.5) continue; o += i; } while (go); k = i;",
+    );
+    let names: Vec<String> = (0..20).map(|i| format!("a{i}")).collect();
+    let start: String = names.iter().map(|a| format!("float {a} = u; ")).collect();
+    let turn: String =
+        names.iter().enumerate().map(|(i, a)| format!("{a} = {a} * 0.9 + a{} * v; ", (i + 1) % 20)).collect();
+    body(
+        0,
+        &format!(
+            "{start} for (int i = 0; i < u * 9; ++i) {{ {turn} if (a3 > 2) break; }} f = {};",
+            names.join(" + ")
+        ),
+    );
+}
+
 #[test]
 fn calls() {
     let function = "float g(float x, output int n) { n = 0; if (x < 0) return 1; for (int i = 0; i < 8; ++i) { n += 1; if (x < i) return x * i; } n += 10; return -x; }";

@@ -141,7 +141,7 @@ pub enum BetweenFacets {
     Scaled,
     /// It is lost.
     Lost,
-    /// It leaves as light that met one facet, after \[Tur19\] with the reflectance F of that facet, as MaterialX's own code has it: values
+    /// It leaves as light that met one facet, after \[Tur19\] with the reflectance F of that facet, as MaterialX's own code has it. Values
     /// are times 1 + F (1 - E) / E, E the albedo of white facets after one bounce. For brushed facets E is that of even ones of the
     /// geometric mean width, so that white ones lose light, up to a sixth. Values are not reciprocal.
     Seen,

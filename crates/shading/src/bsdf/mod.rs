@@ -35,6 +35,8 @@ mod film;
 pub(crate) mod fresnel;
 mod ggx;
 mod hair;
+#[cfg(test)]
+mod layers_tests;
 mod lists;
 mod lobe;
 mod lobes;
