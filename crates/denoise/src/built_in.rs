@@ -105,18 +105,19 @@ fn without_noise(
     let mut smooth = variance::smooth(&variance, (&noisy.normal, &outliers.rare), width);
     let unsure = |(v, _): (&mut Triple, &bool)| *v = v.map(|v| v * HEAVY);
     smooth.iter_mut().zip(&outliers.rare).filter(|(_, rare)| **rare).for_each(unsure);
-    let layers = Layers { noisy, color: &color, variance: &smooth };
+    let layers = Layers { noisy, color: &color, variance: &smooth, only: None };
     let [mut near, other] = NEAR.map(|reach| Explained::of(level, &layers, reach, stop));
     near.as_mut()?.average(&other?);
     let near = near?;
     let left = left_of(&smooth, &near.support, LEFT);
-    let layers = Layers { noisy, color: &near.color, variance: &left };
+    let layers = Layers { noisy, color: &near.color, variance: &left, only: None };
     let wide = Explained::of(level, &layers, WIDE, stop)?;
     let mut clean = near.color;
     blend(&mut clean, &wide, |_| true);
     if outliers.rare.contains(&true) {
         let left = left_of(&left, &wide.support, LEFT_OF_RARE);
-        let far = Explained::of(level, &Layers { noisy, color: &clean, variance: &left }, FAR, stop)?;
+        let layers = Layers { noisy, color: &clean, variance: &left, only: Some(&outliers.rare) };
+        let far = Explained::of(level, &layers, FAR, stop)?;
         blend(&mut clean, &far, |p| outliers.rare[p]);
     }
     outliers.give_back(width, divisor, &mut clean);

@@ -32,6 +32,8 @@ pub(crate) struct Layers<'a> {
     pub(crate) color: &'a [Triple],
     /// Of that light.
     pub(crate) variance: &'a [Triple],
+    /// Where fits have their centres; `None` = everywhere.
+    pub(crate) only: Option<&'a [bool]>,
 }
 
 /// The sums over all fits.
@@ -59,7 +61,16 @@ impl Explained {
         let is_empty: Vec<bool> =
             rows.iter().map(|row| row[1..7].iter().all(|x| x.abs() < NOTHING)).collect();
         let (planes, rows, variance, is_empty) = (&planes, &rows[..], &variance[..], &is_empty[..]);
-        let around = Around { reach, planes, rows, variance, is_empty, size: [width, height], stop };
+        let around = Around {
+            reach,
+            planes,
+            rows,
+            variance,
+            is_empty,
+            only: layers.only,
+            size: [width, height],
+            stop,
+        };
         let mut sums = vec![[0.0; 5]; width * height];
         // A band's fits reach half a band beyond it: those with even numbers do not meet, nor do those with odd ones.
         let band = (2 * reach.farthest()).next_multiple_of(16);
@@ -113,6 +124,7 @@ struct Around<'a> {
     variance: &'a [f32],
     /// Whether nothing was met in a pixel: light of surfaces does not reach into it.
     is_empty: &'a [bool],
+    only: Option<&'a [bool]>,
     size: [usize; 2],
     stop: &'a (dyn Fn() -> bool + Sync),
 }
@@ -129,9 +141,16 @@ impl Around<'_> {
             if (self.stop)() {
                 return None;
             }
+            let only = self.only.map(|only| &only[y * self.size[0]..][..self.size[0]]);
+            if only.is_some_and(|row| !row.contains(&true)) {
+                continue;
+            }
             self.planes.weights(y, STRIDE, &mut memory, &mut weights);
             for (i, weights) in weights.chunks_exact(count).enumerate() {
-                self.fit([i * STRIDE + self.reach.first, y], weights, &mut near, begin, sums);
+                let x = i * STRIDE + self.reach.first;
+                if only.is_none_or(|row| row[x]) {
+                    self.fit([x, y], weights, &mut near, begin, sums);
+                }
             }
         }
         Some(())
@@ -211,7 +230,7 @@ mod tests {
     #[test]
     fn all_levels_and_numbers_of_threads_give_the_same_bits() {
         let noisy = noisy(61, 47, 0.1);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, only: None };
         let reach = Reach { side: 3, step: 3, patch: 1, first: 0, sharpness: 0.6 };
         let explain = |level: Level, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
@@ -231,7 +250,7 @@ mod tests {
     fn the_variance_of_a_slope_falls_by_the_pixels_that_look_alike() {
         let variance = 0.01;
         let noisy = noisy(64, 64, variance);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, only: None };
         let reach = Reach { side: 5, step: 1, patch: 2, first: 0, sharpness: 0.6 };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
         let found = pool.install(|| Explained::of(Level::default(), &layers, reach, &|| false));
@@ -251,7 +270,7 @@ mod tests {
     #[test]
     fn who_says_stop_gets_nothing() {
         let noisy = noisy(20, 20, 0.1);
-        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance, only: None };
         let reach = Reach { side: 3, step: 1, patch: 1, first: 0, sharpness: 0.6 };
         assert!(Explained::of(Level::default(), &layers, reach, &|| true).is_none(), "at once");
     }
