@@ -134,13 +134,16 @@ pub enum RenderError {
     },
     /// Layers of light of an integrator that cannot divide its light.
     #[error(
-        "layers of light, light groups and light path expressions are unsupported with the integrator {integrator}: \
-         choose path"
+        "some of these layers of light, light groups and light path expressions are unsupported with the integrator {integrator}: \
+         choose path; ir, bir and mir have emission, environment, direct, indirect, colours and shaders' outputs"
     )]
     LayersOfLight {
         /// Its name.
         integrator: &'static str,
     },
+    /// Layers of light of interleaved pixels.
+    #[error("interleaved pixels have no layers of light: choose one of the two")]
+    InterleavedLayers,
     /// A light path expression that cannot be used.
     #[error(transparent)]
     Expression(ExpressionError),

@@ -167,7 +167,7 @@ pub struct RenderOptions {
     pub aovs: bool,
     /// With `aovs`: add layers of what mirrors and smooth glass show, for denoisers.
     pub seen: bool,
-    /// Add layers of light; only for `Path`.
+    /// Add layers of light; those that the integrator has ([`LightLayer::is_of`]).
     pub light_layers: Vec<LightLayer>,
     /// Add Cryptomatte's layers.
     pub mattes: Mattes,
@@ -264,8 +264,11 @@ impl RenderOptions {
             return Err(RenderError::EmptyCrop { crop: [x0, y0, x1, y1] });
         }
         if !self.light_layers.is_empty() {
-            if self.integrator != Integrator::Path {
+            if !self.light_layers.iter().all(|layer| layer.is_of(self.integrator)) {
                 return Err(RenderError::LayersOfLight { integrator: self.integrator.name() });
+            }
+            if self.pattern().is_some() {
+                return Err(RenderError::InterleavedLayers);
             }
             expressions::check(&self.light_layers).map_err(RenderError::Expression)?;
         }

@@ -211,6 +211,34 @@ fn parts_make_the_whole() {
     }
 }
 
+/// With virtual lights: the parts make the picture, and are those of paths in the mean.
+#[test]
+fn parts_by_virtual_lights_make_the_whole() {
+    let names = ["emission", "environment", "direct", "indirect"];
+    let (world, camera) = room_of(false, false, false);
+    let pool = pool(2);
+    let sum = |picture: &Picture, name: &str| -> f64 {
+        light(picture, name).as_flattened().iter().map(|&x| f64::from(x)).sum()
+    };
+    let of_paths =
+        render(&world, &camera, &layered(words(&names), 128), &pool, &Silent).expect("sound").picture;
+    for integrator in Integrator::ALL.into_iter().filter(|integrator| integrator.has_virtual_lights()) {
+        let plain = RenderOptions { integrator, vpls: 256, ..layered(Vec::new(), 32) };
+        let options = RenderOptions { light_layers: words(&names), ..plain.clone() };
+        let plain = render(&world, &camera, &plain, &pool, &Silent).expect("sound").picture;
+        let picture = render(&world, &camera, &options, &pool, &Silent).expect("sound").picture;
+        assert_eq!(picture.color, plain.color, "layers change no bit of the picture");
+        let off = off(&picture, &names.map(String::from), &whole_of(&plain));
+        assert!(off < 1e-5, "{integrator}: {off}");
+        for name in names {
+            let (found, expected) = (sum(&picture, name), sum(&of_paths, name));
+            // The mirror's caustics of points and the sun are unknown to paths.
+            let most = if name == "indirect" { 0.1 } else { 0.04 };
+            assert!((found / expected - 1.0).abs() < most, "{integrator}, {name}: {found}, {expected}");
+        }
+    }
+}
+
 #[test]
 fn parts_have_their_own_parts() {
     let (world, camera) = room(true, false);
@@ -400,11 +428,25 @@ fn layers_have_the_same_bits_however_they_are_made() {
 
 #[test]
 fn what_cannot_be_divided_is_refused() {
-    let with = |integrator| RenderOptions { integrator, ..layered(words(&["direct"]), 1) };
+    let with = |integrator, layers| RenderOptions { integrator, ..layered(layers, 1) };
     for integrator in Integrator::ALL.into_iter().filter(|&integrator| integrator != Integrator::Path) {
-        let error = Accumulation::new(with(integrator)).expect_err("only paths");
-        assert!(matches!(error, RenderError::LayersOfLight { .. }), "{error}");
+        for (layers, is_simple) in [
+            (words(&["direct"]), true),
+            (words(&["direct", "diffuse"]), false),
+            (LightLayer::of_groups(&["key"]), false),
+        ] {
+            match Accumulation::new(with(integrator, layers)) {
+                Ok(_) => assert!(is_simple && integrator.has_virtual_lights(), "{integrator}"),
+                Err(error) => {
+                    assert!(!(is_simple && integrator.has_virtual_lights()), "{integrator}");
+                    assert!(matches!(error, RenderError::LayersOfLight { .. }), "{error}");
+                }
+            }
+        }
     }
+    let interleaved = with(Integrator::InstantRadiosity, words(&["direct"]));
+    let error = Accumulation::new(RenderOptions { interleave: 3, ..interleaved }).expect_err("blurred");
+    assert!(matches!(error, RenderError::InterleavedLayers), "{error}");
     let broken = LightLayer { name: "x".into(), expression: "C<RD".into() };
     let error = Accumulation::new(layered(vec![broken], 1)).expect_err("a fault");
     assert!(error.to_string().contains("character 2"), "{error}");

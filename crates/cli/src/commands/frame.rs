@@ -327,12 +327,21 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
         )));
     }
     let integrator = arguments.frame.integrator;
-    let divides_light =
-        arguments.light_groups || arguments.layers.as_ref().is_some_and(|layers| !layers.light.is_empty());
-    if divides_light && integrator != Integrator::Path {
-        let option = if arguments.light_groups { "--light-groups" } else { "--layers" };
+    if arguments.light_groups && integrator != Integrator::Path {
         return Err(Failure::usage(format_args!(
-            "{option}: layers of light are unsupported with --integrator {integrator}; give --integrator path"
+            "--light-groups: unsupported with --integrator {integrator}; give --integrator path"
+        )));
+    }
+    let mut of_light = arguments.layers.iter().flat_map(|layers| &layers.light);
+    if let Some(layer) = of_light.find(|layer| !layer.is_of(integrator)) {
+        let known = if integrator.has_virtual_lights() {
+            "; it has emission, environment, direct, indirect, colours and outputs of shaders"
+        } else {
+            ""
+        };
+        return Err(Failure::usage(format_args!(
+            "--layers: the layer of light '{}' is unsupported with --integrator {integrator}; give --integrator path{known}",
+            layer.name
         )));
     }
     if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {

@@ -4,7 +4,7 @@
 //! Tests: `tests/program/light_layers.rs`.
 
 use gnurt::layers::{LayerList, layers};
-use gnurt::render::{Integrator, LightLayer, RenderOptions, World, missing_output, unknown_labels};
+use gnurt::render::{LightLayer, RenderOptions, World, missing_output, unknown_labels};
 use gnurt::scene::Scene;
 
 use crate::arguments::RenderArguments;
@@ -27,12 +27,13 @@ fn of_file(
     }
     match layers(&outputs.join(",")) {
         Ok(mut list) => {
-            if options.integrator != Integrator::Path && !list.light.is_empty() {
+            let all = list.light.len();
+            list.light.retain(|layer| layer.is_of(options.integrator));
+            if list.light.len() < all {
                 messages.warning(format_args!(
-                    "--integrator {} has no layers of light, which the scene's file wants; path has them",
+                    "--integrator {} lacks layers of light that the scene's file wants; path has them",
                     options.integrator
                 ));
-                list.light.clear();
             }
             Some(list)
         }

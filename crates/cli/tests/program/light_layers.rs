@@ -88,7 +88,9 @@ fn pieces_and_checkpoints_carry_them() {
 fn mistakes_are_told() {
     let folder = Folder::new();
     for (more, words) in [
-        ("--layers direct --integrator bir", "unsupported with --integrator bir"),
+        ("--layers direct --integrator whitted", "'direct' is unsupported with --integrator whitted"),
+        ("--layers direct,diffuse --integrator bir", "'diffuse' is unsupported with --integrator bir"),
+        ("--layers direct --integrator ir --interleave 3", "interleaved pixels have no layers of light"),
         ("--light-groups --integrator whitted", "unsupported with --integrator whitted"),
         ("--layers x=C<RD", "character 2: '>' is missing"),
         ("--layers light:kye", "called 'kye'; light groups are: none"),

@@ -6,6 +6,7 @@
 use super::automaton::{Automaton, labels_in};
 use super::events::{Alphabet, MOST_LABELS};
 use super::syntax::{ExpressionError, parse};
+use crate::options::Integrator;
 
 /// Most layers of a picture.
 const MOST_LAYERS: usize = 512;
@@ -55,6 +56,17 @@ pub const GROUP_PREFIX: &str = "light.";
 /// The layer of lights without a group.
 pub const UNGROUPED: &str = "light_rest";
 
+/// A part of light that integrators with virtual lights can tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    Emission,
+    Environment,
+    /// Scattered once.
+    Direct,
+    /// Scattered more than once.
+    Indirect,
+}
+
 /// A layer of a picture: the part of its light whose paths an expression matches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LightLayer {
@@ -98,6 +110,26 @@ impl LightLayer {
                 && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         };
         (name.len() <= LONGEST && name.split('.').all(is_word)).then_some(name)
+    }
+
+    /// The part of light that it is, if integrators with virtual lights can tell it.
+    pub(crate) fn part(&self) -> Option<Part> {
+        let words = [
+            ("emission", Part::Emission),
+            ("environment", Part::Environment),
+            ("direct", Part::Direct),
+            ("indirect", Part::Indirect),
+        ];
+        let is_of = |word: &str| Self::of_word(word).is_some_and(|layer| layer.expression == self.expression);
+        words.into_iter().find(|(word, _)| is_of(word)).map(|(_, part)| part)
+    }
+
+    /// Whether an integrator has it: `path` has all layers of light; `ir`, `bir` and `mir` have `emission`, `environment`,
+    /// `direct` and `indirect`, colours and outputs of shaders; others have none.
+    #[must_use]
+    pub fn is_of(&self, integrator: Integrator) -> bool {
+        let is_simple = || self.part().is_some() || self.color().is_some() || self.output().is_some();
+        integrator == Integrator::Path || (integrator.has_virtual_lights() && is_simple())
     }
 
     fn known_color(&self) -> Option<&'static (&'static str, &'static str, [bool; 4])> {

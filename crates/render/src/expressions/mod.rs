@@ -12,6 +12,7 @@ mod sums;
 mod syntax;
 
 pub(crate) use events::{Lobe, Scatter};
+pub(crate) use layer::Part;
 pub(crate) use layer::check;
 pub use layer::{GROUP_PREFIX, LightLayer, OUTPUT_PREFIX, UNGROUPED};
 pub(crate) use ledger::Ledger;

@@ -27,6 +27,7 @@ use super::interleave::{Texel, key_of_place, place_of, share_of_key};
 use super::lanes::{BLOCK, END, Source};
 use super::mixing::mix;
 use super::offers::Offers;
+use super::parts::Parts;
 use super::pass::PassLights;
 use super::vpl;
 use super::walk::{Last, Stop, Walk, purpose};
@@ -106,7 +107,12 @@ fn all_radiance(
     let mut passed = Vec::new();
     let vertices = tracer.stopped(camera, &[], &mut |lane, vertex| passed.push((lane, vertex)));
     tracer.probes = probes;
-    go_on(tracer, pass, (walks, Ends { vertices, passed }), pixels, 1, (radiance, texels));
+    let mut parts = tracer.wavefront.ledger.is_some().then(Parts::default);
+    let out = Out { radiance: &mut *radiance, texels, parts: parts.as_mut() };
+    go_on(tracer, pass, (walks, Ends { vertices, passed }), pixels, 1, out);
+    if let (Some(parts), Some(ledger)) = (parts, &mut tracer.wavefront.ledger) {
+        parts.write(radiance, &options.light_layers, &mut ledger.layers);
+    }
     tracer.sharing = Sharing::All;
 }
 
@@ -136,6 +142,15 @@ pub(crate) fn split_radiance(
     }
 }
 
+/// What walks add their light to.
+struct Out<'a> {
+    radiance: &'a mut Vec3s,
+    /// Light and surfaces separate, if pixels are interleaved.
+    texels: Option<&'a mut [Texel]>,
+    /// Layers of light, if some are requested; for walks that begin at the camera.
+    parts: Option<&'a mut Parts>,
+}
+
 /// Continues walks from their hits to their ends. `keys` are those of the camera rays, `depth` the bounces so
 /// far.
 fn go_on(
@@ -144,17 +159,32 @@ fn go_on(
     (mut walks, mut ends): (Walks<Walk>, Ends),
     keys: &[SampleKey],
     depth: u32,
-    (radiance, mut texels): (&mut Vec3s, Option<&mut [Texel]>),
+    Out { radiance, mut texels, mut parts }: Out,
 ) {
-    for depth in depth.. {
+    for (step, depth) in (depth..).enumerate() {
         if let Some(texels) = &mut texels {
             split_radiance_only(tracer, &walks.carried, &ends.vertices, texels);
         }
+        // Only light of the first and the second edge is told apart.
+        let mut parts = parts.as_deref_mut().filter(|_| step < 2);
+        let passed = parts.as_ref().filter(|_| step == 0).map(|_| visible_parts(tracer, &walks, &ends));
+        if let Some(parts) = &mut parts {
+            parts.begin(radiance);
+        }
         let stops = arrive(tracer, pass, &walks, ends, radiance);
+        if let Some(parts) = &mut parts {
+            match passed {
+                Some((emission, missed)) => parts.take_visible(radiance, &emission, &missed),
+                None => parts.take_direct(radiance),
+            }
+        }
         if let Some(texels) = &mut texels {
             split_texels(tracer, &stops, radiance, texels);
         }
         light_samples(tracer, pass, &stops, radiance);
+        if let Some(parts) = parts.filter(|_| step == 0) {
+            parts.take_direct(radiance);
+        }
         let radiance_there: Vec<&EyePoint> =
             stops.iter().filter(|stop| stop.walk.is_directly_visible).map(|stop| &stop.eye).collect();
         if pass.is_few {
@@ -332,13 +362,30 @@ pub(super) fn rest_at(
         }
     }
     let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
-    go_on(tracer, pass, (walks, ends), &points.key, edges + 1, (&mut radiance, None));
+    go_on(
+        tracer,
+        pass,
+        (walks, ends),
+        &points.key,
+        edges + 1,
+        Out { radiance: &mut radiance, texels: None, parts: None },
+    );
     for (i, found) in found.iter_mut().enumerate() {
         if let Some(found) = found {
             found.radiance = radiance.get(i);
         }
     }
     found
+}
+
+/// The emission that camera rays pass on their way, and which of them meet nothing in the end, by lane.
+fn visible_parts(tracer: &BatchTracer, walks: &Walks<Walk>, ends: &Ends) -> (Vec3s, Vec<bool>) {
+    let mut emission = Vec3s::splat(walks.carried.len(), Vec3::ZERO);
+    for (i, vertex) in &ends.passed {
+        let walk = walks.carried[*i].absorbed(Some(vertex));
+        emitted(tracer.world.light_set(), &walk, vertex, &mut emission);
+    }
+    (emission, ends.vertices.iter().map(Option::is_none).collect())
 }
 
 /// Adds the light at the end of each ray; returns the walks that may continue.

@@ -26,6 +26,7 @@ mod metropolis;
 mod mixing;
 mod neighbours;
 mod offers;
+mod parts;
 mod pass;
 mod persistent;
 mod pilots;
