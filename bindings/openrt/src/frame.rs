@@ -129,6 +129,7 @@ fn kind_of_options(error: &RenderError) -> Error {
         RenderError::NothingToDo { .. } | RenderError::TooLarge { .. } => Error::InvalidValue,
         // Programs of this library request neither pieces nor layers of light.
         RenderError::LayersOfLight { .. }
+        | RenderError::InterleavedLayers
         | RenderError::Expression(_)
         | RenderError::EmptyCrop { .. }
         | RenderError::NoSuchPixel { .. }
