@@ -100,7 +100,7 @@ impl Grids<'_> {
 /// Floats of a row of three vertices, and others behind them.
 pub type Row = [f32; 16];
 
-/// Owned vertices of grids, and [`PAD`] more, so that each row can be read whole.
+/// Owned vertices of grids, and a few more, so that each row can be read whole.
 #[derive(Clone, Debug)]
 pub struct OwnedVertices(Vec<[f32; 3]>);
 

@@ -16,7 +16,7 @@ const PER_PIXEL: u64 = 64;
 /// Albedo, normal, position, depth, ids and background, and their bytes in the file.
 const LAYERS_PER_PIXEL: u64 = 360;
 /// What mirrors and glass show: sums, means, and their bytes in the file.
-const SEEN_PER_PIXEL: u64 = 415;
+const SEEN_PER_PIXEL: u64 = 490;
 /// A layer of light: sums, the mean, and its bytes in the file.
 const LIGHT_LAYER_PER_PIXEL: u64 = 60;
 /// The things of a pixel of one kind of mattes; and each rank, with its bytes in the file.
@@ -25,10 +25,10 @@ const RANK_PER_PIXEL: u64 = 20;
 /// Costs and their colours.
 const HEAT_PER_PIXEL: u64 = 40;
 /// The output of a denoiser.
-const CLEAN_PER_PIXEL: u64 = 160;
+const CLEAN_PER_PIXEL: u64 = 200;
 
 /// Of a film: a frame that others borrow light from, one that waits, and the work on one.
-const FILM_PER_PIXEL: [u64; 3] = [110, 200, 400];
+const FILM_PER_PIXEL: [u64; 3] = [135, 225, 480];
 
 /// Bytes that the frames of a film's window take, with `reach` frames on each side, and the work on one of them.
 #[must_use]

@@ -12,7 +12,7 @@ use crate::state::SavedState;
 use crate::stats::MOST;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
-const VERSION: u64 = 6;
+const VERSION: u64 = 7;
 
 impl Accumulation {
     /// All its contents; `fingerprint` identifies the picture, see [`fingerprint`](crate::fingerprint()).

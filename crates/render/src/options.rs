@@ -47,6 +47,12 @@ impl Integrator {
         Self::MetropolisInstantRadiosity,
     ];
 
+    /// Whether it can add this layer: paths have all of them, virtual lights those that need no events of paths.
+    #[must_use]
+    pub fn has_light_layer(self, layer: &LightLayer) -> bool {
+        self == Self::Path || (self.has_virtual_lights() && !layer.needs_events())
+    }
+
     /// Whether samples are taken with virtual lights, a fresh set for each.
     #[must_use]
     pub fn has_virtual_lights(self) -> bool {
@@ -167,7 +173,7 @@ pub struct RenderOptions {
     pub aovs: bool,
     /// With `aovs`: add layers of what mirrors and smooth glass show, for denoisers.
     pub seen: bool,
-    /// Add layers of light; those that the integrator has ([`LightLayer::is_of`]).
+    /// Add layers of light; those that the integrator has ([`Integrator::has_light_layer`]).
     pub light_layers: Vec<LightLayer>,
     /// Add Cryptomatte's layers.
     pub mattes: Mattes,
@@ -264,7 +270,7 @@ impl RenderOptions {
             return Err(RenderError::EmptyCrop { crop: [x0, y0, x1, y1] });
         }
         if !self.light_layers.is_empty() {
-            if !self.light_layers.iter().all(|layer| layer.is_of(self.integrator)) {
+            if !self.light_layers.iter().all(|layer| self.integrator.has_light_layer(layer)) {
                 return Err(RenderError::LayersOfLight { integrator: self.integrator.name() });
             }
             if self.pattern().is_some() {

@@ -333,7 +333,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
         )));
     }
     let mut of_light = arguments.layers.iter().flat_map(|layers| &layers.light);
-    if let Some(layer) = of_light.find(|layer| !layer.is_of(integrator)) {
+    if let Some(layer) = of_light.find(|layer| !integrator.has_light_layer(layer)) {
         let known = if integrator.has_virtual_lights() {
             "; it has emission, environment, direct, indirect, colours and outputs of shaders"
         } else {

@@ -28,7 +28,7 @@ fn of_file(
     match layers(&outputs.join(",")) {
         Ok(mut list) => {
             let all = list.light.len();
-            list.light.retain(|layer| layer.is_of(options.integrator));
+            list.light.retain(|layer| options.integrator.has_light_layer(layer));
             if list.light.len() < all {
                 messages.warning(format_args!(
                     "--integrator {} lacks layers of light that the scene's file wants; path has them",

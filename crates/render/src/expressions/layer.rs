@@ -6,7 +6,6 @@
 use super::automaton::{Automaton, labels_in};
 use super::events::{Alphabet, MOST_LABELS};
 use super::syntax::{ExpressionError, parse};
-use crate::options::Integrator;
 
 /// Most layers of a picture.
 const MOST_LAYERS: usize = 512;
@@ -124,12 +123,9 @@ impl LightLayer {
         words.into_iter().find(|(word, _)| is_of(word)).map(|(_, part)| part)
     }
 
-    /// Whether an integrator has it: `path` has all layers of light; `ir`, `bir` and `mir` have `emission`, `environment`,
-    /// `direct` and `indirect`, colours and outputs of shaders; others have none.
-    #[must_use]
-    pub fn is_of(&self, integrator: Integrator) -> bool {
-        let is_simple = || self.part().is_some() || self.color().is_some() || self.output().is_some();
-        integrator == Integrator::Path || (integrator.has_virtual_lights() && is_simple())
+    /// Whether it needs the events of each path: it is neither a simple part of the light, nor a colour or an output.
+    pub(crate) fn needs_events(&self) -> bool {
+        self.part().is_none() && self.color().is_none() && self.output().is_none()
     }
 
     fn known_color(&self) -> Option<&'static (&'static str, &'static str, [bool; 4])> {

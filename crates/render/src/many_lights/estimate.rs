@@ -259,9 +259,9 @@ fn split_radiance_only(
 /// Where walks lead.
 #[derive(Default)]
 struct Ends {
-    /// What stops each of them.
+    /// The vertices that stop them.
     vertices: Vec<Option<Vertex>>,
-    /// What they pass on the way that emits, with the number of the walk.
+    /// Emitting surfaces that they pass on the way, with the number of the walk.
     passed: Vec<(usize, Vertex)>,
 }
 

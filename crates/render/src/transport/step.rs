@@ -65,7 +65,7 @@ pub(crate) struct Onward<'a> {
     pub(crate) linked: Option<&'a mut LinkedPaths>,
     /// Notes vertices for a guide, if one is learned.
     pub(crate) recorder: Option<&'a mut Recorder>,
-    /// What layers for denoisers need of the light, if they are requested.
+    /// Light by scatterings for the layers of denoisers, if they are requested.
     pub(crate) seen: Option<&'a mut SeenLight>,
     /// What lanes of the camera see of holes, if the world has holdouts.
     pub(crate) held: Option<&'a mut Vec<Held>>,
