@@ -251,7 +251,7 @@ static V3 cosine_direction(V3 normal)
 static std::vector<Class> make_rays(const Scene &scene, int size)
 {
     std::vector<Ray> primary = camera_rays(scene.view, size), shadow, diffuse;
-    tinybvh::BVH tree;
+    tinybvh::BVH8_CPU tree; // BVH has a least determinant of 1e-6: it does not see small triangles
     tree.Build(scene.corners.data(), (uint32_t)scene.triangles());
     state = 1;
     for (const Ray &ray : primary) {
@@ -332,7 +332,7 @@ template <class Tree> static std::unique_ptr<Engine> tiny(const char *mode, bool
 }
 
 #define NAMED_CALLS(call)                                                                                              \
-    call(rtcNewDevice) call(rtcGetDeviceProperty) call(rtcNewScene) call(rtcNewGeometry) call(rtcSetSharedGeometryBuffer) \
+    call(rtcNewDevice) call(rtcGetDeviceError) call(rtcGetDeviceProperty) call(rtcNewScene) call(rtcNewGeometry) call(rtcSetSharedGeometryBuffer) \
     call(rtcCommitGeometry) call(rtcAttachGeometry) call(rtcSetSceneBuildQuality) call(rtcSetSceneFlags)                \
     call(rtcCommitScene) call(rtcIntersect1) call(rtcOccluded1) call(rtcReleaseScene) call(rtcReleaseGeometry)
 #define OWN_CALLS(call)                                                                                                \
@@ -390,6 +390,8 @@ struct Named : Engine {
         names.rtcAttachGeometry(tree, geometry);
         names.rtcReleaseGeometry(geometry);
         names.rtcCommitScene(tree);
+        if (int error = names.rtcGetDeviceError(names.device))
+            fail(library + ": error " + std::to_string(error) + " at the build");
     }
     void free() override
     {
