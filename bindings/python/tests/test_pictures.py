@@ -304,7 +304,10 @@ def test_layers_of_light():
     with pytest.raises(ValueError, match="called 'kye'; light groups are: lamp"):
         scene.render(8, 8, layers=["light:kye"])
     with pytest.raises(ValueError, match="unsupported with the integrator bir"):
-        scene.render(8, 8, layers=["direct"], integrator="bir")
+        scene.render(8, 8, layers=["diffuse"], integrator="bir")
+    virtual = scene.render(8, 8, layers=["emission", "environment", "direct", "indirect"], integrator="bir")
+    parts = sum(virtual[name] for name in ["emission", "environment", "direct", "indirect"])
+    assert np.allclose(parts, np.asarray(virtual)[..., :3], atol=1e-5, rtol=1e-5), "the parts of virtual lights"
     with pytest.raises(ValueError, match="unknown light group 'lmap'"):
         picture.relight(lmap=2)
     with pytest.raises(ValueError, match="unknown name 'nothing'"):
