@@ -39,6 +39,10 @@ const FAR: Reach = Reach { side: 3, step: 9, patch: 1, first: 0, sharpness: 0.6 
 const LEFT: f32 = 0.5;
 /// The same after the second pass, where light is in rare samples: blotches are as wide as its fits.
 const LEFT_OF_RARE: f32 = 6.0;
+/// Squares of differences exceed the variance by so much where light is in rare samples.
+const HEAVY: f32 = 3.0;
+/// Where fewer pixels are similar, the second and third time count less.
+const FEW: f32 = 3.0;
 
 /// The light of a part.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -55,10 +59,6 @@ impl Kind {
         if self == Self::Direct { 4.0 } else { 1.5 }
     }
 }
-/// Squares of differences exceed the variance by so much where light is in rare samples.
-const HEAVY: f32 = 3.0;
-/// Where fewer pixels are similar, the second time counts less.
-const FEW: f32 = 3.0;
 
 /// The colours of the region without noise, row by row; `None` if `stop` has returned true.
 pub(crate) fn filter(
