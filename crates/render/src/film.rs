@@ -14,6 +14,7 @@ use crate::aov::TileAovs;
 use crate::expressions::LightSums;
 use crate::held::Held;
 use crate::mattes::TileMattes;
+use crate::moments::variance_of_mean;
 use crate::options::RenderOptions;
 use crate::piece::Piece;
 use crate::seen::TileSeen;
@@ -196,14 +197,12 @@ impl TileFilm {
         if self.target > 0 { self.target.min(spp) } else { spp }
     }
 
-    /// Variance of the mean of a pixel, per channel, as if samples were independent: they are spread better than that,
-    /// so the true one is smaller. 0 if it is not known.
+    /// Variance of the mean of a pixel: [`variance_of_mean`]; 0 if it is not known.
     pub(crate) fn variance(&self, i: usize) -> [f32; 3] {
-        let n = f64::from(self.samples);
-        let Some(squares) = self.squares.get(i).filter(|_| self.samples > 1) else { return [0.0; 3] };
-        [0, 1, 2].map(|k| {
-            let mean = self.sums[i][k] / n;
-            ((squares[k] / n - mean * mean).max(0.0) / (n - 1.0)) as f32
+        // There are no sums of a single sample.
+        self.squares.get(i).filter(|_| self.samples > 1).map_or([0.0; 3], |squares| {
+            let [r, g, b, ..] = self.sums[i];
+            variance_of_mean(&[r, g, b], squares, self.samples)
         })
     }
 

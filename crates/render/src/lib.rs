@@ -35,6 +35,7 @@ mod lobe_colors;
 mod log;
 mod many_lights;
 mod mattes;
+mod moments;
 mod motion;
 mod moving_camera;
 mod options;

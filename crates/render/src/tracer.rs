@@ -89,7 +89,7 @@ pub(crate) struct BatchTracer<'w> {
     /// Directly visible light, lane by lane; empty if it is not requested, or if the integrator does not
     /// provide it.
     pub(crate) direct: Vec3s,
-    /// What layers for denoisers need of the light; empty if it is not requested, or not known.
+    /// Light by scatterings, for the layers of denoisers; empty if it is not requested, or not known.
     pub(crate) seen: SeenLight,
     /// Lanes of the camera whose light a medium scattered before it met a surface; empty if there are no media.
     pub(crate) veiled: Vec<bool>,

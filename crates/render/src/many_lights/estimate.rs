@@ -142,7 +142,7 @@ pub(crate) fn split_radiance(
     }
 }
 
-/// What walks add their light to.
+/// The sums to which walks add their light.
 struct Out<'a> {
     radiance: &'a mut Vec3s,
     /// Light and surfaces separate, if pixels are interleaved.

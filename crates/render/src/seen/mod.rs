@@ -22,6 +22,7 @@ use gnurt_shading::bsdf::{ClosureBatch, Kind, left_after};
 
 use crate::cone::ConeHit;
 use crate::first_hit::{FirstHit, NOTHING};
+use crate::moments::variance_of_mean;
 use crate::options::RenderOptions;
 use crate::state::{SavedState, put_f32, put_f64, put_u32};
 use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
@@ -82,14 +83,7 @@ impl Moments {
     }
 
     fn variance(&self, i: usize, count: u32) -> [f32; 3] {
-        let n = f64::from(count);
-        if count < 2 {
-            return [0.0; 3];
-        }
-        [0, 1, 2].map(|k| {
-            let mean = self.sums[i][k] / n;
-            ((self.squares[i][k] / n - mean * mean).max(0.0) / (n - 1.0)) as f32
-        })
+        variance_of_mean(&self.sums[i], &self.squares[i], count)
     }
 }
 

@@ -554,6 +554,6 @@ pub(crate) struct Wavefront {
     pub(crate) linked: Option<LinkedPaths>,
     /// Notes vertices of paths for a guide, if one is learned.
     pub(crate) recorder: Option<Recorder>,
-    /// What layers for denoisers need of the light.
+    /// Light by scatterings, for the layers of denoisers.
     pub(crate) seen: SeenLight,
 }
