@@ -113,7 +113,11 @@ impl PassLights {
 
     /// The bound on virtual lights at a point.
     pub(crate) fn bound_at(&self, is_directly_visible: bool) -> Bound {
-        if is_directly_visible && !self.is_few { self.bound } else { self.bound.times(UNSEEN) }
+        match is_directly_visible {
+            _ if self.is_few => self.bound.times(OF_FEW),
+            true => self.bound,
+            false => self.bound.times(UNSEEN),
+        }
     }
 
     /// The number of virtual lights at the end of a path of this many edges from the eye, if the end is not
@@ -136,9 +140,12 @@ impl PassLights {
 /// there, and brings most of the error on glossy surfaces.
 const MOST_RAYS: u32 = 4;
 
-/// Rays from a matte point if pictures are reused: they bring only the small part that the bound removes from
-/// virtual lights.
-const FEW_RAYS: f32 = 0.25;
+/// Rays from a matte point if pictures are reused.
+const FEW_RAYS: f32 = 0.5;
+
+/// How much more few lights bring than all: each is as strong as its whole subset, and a spot that it makes stays for
+/// several frames, so that rays bring more.
+const OF_FEW: f32 = 0.25;
 
 /// Approximate number of lights in a subset, of which a sample uses few; the number for visible points.
 const OF_SHARE: usize = 32;

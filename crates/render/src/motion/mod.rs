@@ -13,6 +13,7 @@ mod choose;
 mod earlier;
 mod frame;
 mod lattice;
+mod noise;
 mod picture;
 mod smooth;
 mod surface_key;

@@ -17,6 +17,7 @@ use super::before::Before;
 use super::choose::scale;
 use super::frame::{Frame, Spare};
 use super::lattice::Lattice;
+use super::noise::{Noise, Sample};
 use super::smooth::{Given, Smooth, Strength, is_shiny};
 use super::surface_key::{SurfaceKey, Tint};
 use super::whole::{Traced, Whole};
@@ -31,10 +32,6 @@ use crate::world::{World, WorldMark};
 /// change.
 const CHANGING: f32 = 0.7;
 const UNREST: u32 = 8;
-/// Fraction of the mean light below which the error of samples counts as constant.
-const DIM: f32 = 0.25;
-/// Weight of a new picture in the noise estimate.
-const NEW_NOISE: f32 = 0.2;
 /// Fresh samples of a first picture, relative to later ones: nothing else is known, and its noise is seen at once.
 const FIRST: f32 = 6.0;
 /// Pictures of a quarter of the pixels that a first picture consists of.
@@ -53,9 +50,7 @@ pub struct PictureHistory {
     unrest: u32,
     /// Light on the mean pixel; 0 = unknown.
     mean: f32,
-    /// Error of samples on rough surfaces and on shiny ones: mean squares, relative to the true value;
-    /// unknown at first.
-    noise: Option<[f32; 2]>,
+    noise: Noise,
     tints: Vec<Tint>,
     /// Light as it is shown.
     shown: Smooth,
@@ -165,7 +160,7 @@ impl PictureHistory {
         let scale = scale(counts, requested);
         let chosen = pool.install(|| frame.choose(scale, self.frame));
         let sampled = pool.install(|| {
-            let cut = [self.mean, Strength::of(self.noise.unwrap_or_default()).most_of_one()];
+            let cut = [self.mean, Strength::of(self.noise.of_whole()).most_of_one()];
             frame.sample(job, pass.as_deref(), (&chosen, self.frame), &self.tints, cut, stats)
         });
         let Some(brightness) = sampled else {
@@ -178,18 +173,23 @@ impl PictureHistory {
         pool.install(|| {
             let level = job.options.level;
             let Frame { surface_keys, lights, .. } = &frame;
-            let given = Given { width: width as usize, surface_keys, tints: &self.tints, lights };
-            let strength = Strength::of(self.noise.unwrap_or_default());
-            self.shown.smooth(&given, strength, level);
-            self.mean = mean_of(&frame.surface_keys, &self.shown, width as usize);
-            let noise = noise_of((&chosen, &brightness), &given, &self.shown, self.mean);
-            if self.noise.is_none() && Strength::of(noise) != strength {
+            let [width, height] = [width, height].map(|n| n as usize);
+            loop {
+                let given = Given { width, surface_keys, tints: &self.tints, lights, noise: &self.noise };
+                self.shown.smooth(&given, Strength::of([self.noise.most(), self.noise.of_whole()[1]]), level);
+                self.mean = mean_of(surface_keys, &self.shown, width);
+                let sample = |(&[x, y], &brightness): (&[u32; 2], &f32)| {
+                    let at = [x, y].map(|n| n as usize);
+                    let is_shiny = is_shiny(&self.tints[at[1] * width + at[0]]);
+                    let known = luminance(self.shown.light(at[0], at[1]).mean.into());
+                    Sample { at, is_shiny, brightness, known }
+                };
+                let samples = chosen.iter().zip(&brightness).map(sample);
                 // The noise of the first picture was unknown.
-                self.shown.smooth(&given, Strength::of(noise), level);
-                self.mean = mean_of(&frame.surface_keys, &self.shown, width as usize);
+                if !self.noise.add([width, height], samples, self.mean) {
+                    break;
+                }
             }
-            let before = self.noise.unwrap_or(noise);
-            self.noise = Some([0, 1].map(|k| before[k] + (noise[k] - before[k]) * NEW_NOISE));
         });
         let filtered = Instant::now();
         pool.install(|| self.show(tiles, &frame, (&**camera, job.eye), job.options.level));
@@ -286,25 +286,4 @@ fn mean_of(surface_keys: &[SurfaceKey], shown: &Smooth, width: usize) -> f32 {
     let rows: Vec<(f32, f32)> = threads::map(true, surface_keys.len() / width.max(1), of_row);
     let total = |k: fn(&(f32, f32)) -> f32| rows.iter().map(|row| f64::from(k(row))).sum::<f64>();
     (total(|row| row.0) / f64::max(total(|row| row.1), 1.0)) as f32
-}
-
-/// The mean square of the relative errors of samples, with `DIM` times the mean as the least reference; on
-/// rough surfaces and on shiny ones.
-fn noise_of(
-    (chosen, brightness): (&[[u32; 2]], &[f32]),
-    given: &Given,
-    shown: &Smooth,
-    mean: f32,
-) -> [f32; 2] {
-    let mut sums = [[0.0_f64; 2]; 2];
-    for (&[x, y], &sample) in chosen.iter().zip(brightness) {
-        let (x, y) = (x as usize, y as usize);
-        let known = luminance(shown.light(x, y).mean.into());
-        let off = f64::from((sample - known) / known.max(DIM * mean));
-        if off.is_finite() {
-            let [sum, count] = &mut sums[usize::from(is_shiny(&given.tints[y * given.width + x]))];
-            (*sum, *count) = (*sum + off * off, *count + 1.0);
-        }
-    }
-    sums.map(|[sum, count]| (sum / f64::max(count, 1.0)) as f32)
 }

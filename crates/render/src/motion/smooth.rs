@@ -12,6 +12,7 @@ use gnurt_accel::threads::{self, Pieces};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
+use super::noise::Noise;
 use super::surface_key::{Light, Same, SurfaceKey, Tint};
 
 /// Sufficient samples of a pixel, at a mean square error of one.
@@ -27,7 +28,7 @@ const MOST_SPARKS: f32 = 8.0;
 type Step = (usize, [f32; 2]);
 /// Steps of pictures by the factor of their number of samples: the greater it is, the farther they reach.
 const STEPS: [(f32, &[usize]); 3] =
-    [(1.5, &[1, 2, 4]), (4.0, &[1, 2, 4, 8]), (f32::INFINITY, &[1, 2, 4, 8, 16])];
+    [(1.5, &[1, 2, 4]), (2.5, &[1, 2, 4, 8]), (f32::INFINITY, &[1, 2, 4, 8, 16])];
 /// Weights of a half and a quarter in all but the last step: so they fall evenly from pixel to pixel, and no pattern shows.
 const EVEN: [f32; 2] = [0.5, 0.25];
 const LAST: [f32; 2] = [0.75, 0.4];
@@ -72,25 +73,26 @@ pub(super) fn is_shiny(tint: &Tint) -> bool {
 /// How much is averaged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Strength {
-    /// Samples that are enough, on surfaces that scatter widely and on shiny ones.
-    enough: [f32; 2],
+    /// Samples that are enough on shiny surfaces.
+    enough_of_shiny: f32,
+    sparks: f32,
     steps: &'static [usize],
 }
 
 impl Strength {
-    /// For samples with these errors on surfaces of both kinds: mean squares of relative errors.
+    /// For samples with these errors, the greatest on rough surfaces and the mean on shiny ones: mean squares of relative errors.
     pub(super) fn of(noise: [f32; 2]) -> Self {
         let times = noise.map(|noise| (noise / LITTLE).clamp(1.0, MOST_TIMES));
         // Under large errors, the image in narrow lobes is hardly visible.
-        let enough = [times[0] * ENOUGH, (times[1] * times[1] * ENOUGH_OF_SHINY).min(MOST_TIMES * ENOUGH)];
-        let most_times = enough[0].max(enough[1]) / ENOUGH;
+        let enough_of_shiny = (times[1] * times[1] * ENOUGH_OF_SHINY).min(MOST_TIMES * ENOUGH);
+        let most_times = times[0].max(enough_of_shiny / ENOUGH);
         let (_, steps) = STEPS.into_iter().find(|&(most, _)| most_times <= most).unwrap_or(STEPS[0]);
-        Self { enough, steps }
+        Self { enough_of_shiny, sparks: times[0].min(MOST_SPARKS), steps }
     }
 
     /// How many times as bright as the light that is known a sample may be: the more are averaged, the less one shows.
     pub(super) fn most_of_one(self) -> f32 {
-        SPARK * (self.enough[0] / ENOUGH).min(MOST_SPARKS)
+        SPARK * self.sparks
     }
 
     /// Its steps with their weights.
@@ -107,6 +109,8 @@ pub(super) struct Given<'a> {
     pub(super) surface_keys: &'a [SurfaceKey],
     pub(super) tints: &'a [Tint],
     pub(super) lights: &'a [Light],
+    /// Errors of samples so far.
+    pub(super) noise: &'a Noise,
 }
 
 /// Averaged light as rows of numbers of each kind, so that adjacent pixels are lanes.
@@ -233,13 +237,17 @@ impl Near {
         let row = y * width..(y + 1) * width;
         let [x, y_, z, u, v, w, wide, id, enough] =
             planes_of(row_mut(shape, y, stride * shape::COUNT), stride, width);
+        given.noise.on_row(y, enough);
         for (i, (surface_key, tint)) in
             given.surface_keys[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate()
         {
             [x[i], y_[i], z[i]] = surface_key.p.to_array();
             [u[i], v[i], w[i]] = surface_key.ns.to_array();
             (wide[i], id[i]) = (surface_key.width, surface_key.number());
-            enough[i] = strength.enough[usize::from(is_shiny(tint))];
+            enough[i] = match is_shiny(tint) {
+                true => strength.enough_of_shiny,
+                false => (enough[i] / LITTLE).clamp(1.0, MOST_TIMES) * ENOUGH,
+            };
         }
         let [r, g, b, n] = planes_of(row_mut(&mut light[0], y, stride * light::COUNT), stride, width);
         for (i, light) in given.lights[row].iter().enumerate() {
@@ -368,8 +376,10 @@ mod tests {
     use super::*;
 
     /// A floor, and from column 20 on another object; each sixteenth pixel has a sample.
-    fn smoothed(strength: Strength, noise: impl Fn(usize) -> f32) -> Vec<Light> {
+    fn smoothed(strength: f32, light_at: impl Fn(usize) -> f32) -> Vec<Light> {
         let width = 40;
+        let noise = Noise::of(strength);
+        let strength = Strength::of([strength; 2]);
         let at = |i: usize| ((i % width) as f32, (i / width) as f32);
         let surface_key = |i: usize| {
             let (x, y) = at(i);
@@ -380,13 +390,14 @@ mod tests {
         let light = |i: usize| {
             let (x, y) = at(i);
             let count = if (x as u32 + 4 * (y as u32 % 4)).is_multiple_of(16) { 1.0 } else { 0.0 };
-            let mean = if x < 20.0 { noise(i) } else { 100.0 };
+            let mean = if x < 20.0 { light_at(i) } else { 100.0 };
             Light { mean: Vec3::splat(if count > 0.0 { mean } else { 0.0 }), count }
         };
         let lights: Vec<Light> = (0..surface_keys.len()).map(light).collect();
         let all = Level::available().into_iter().map(|level| {
             let mut smooth = Smooth::default();
-            let given = Given { width, surface_keys: &surface_keys, tints: &tints, lights: &lights };
+            let given =
+                Given { width, surface_keys: &surface_keys, tints: &tints, lights: &lights, noise: &noise };
             smooth.smooth(&given, strength, level);
             (0..surface_keys.len()).map(|i| smooth.light(i % width, i / width)).collect::<Vec<Light>>()
         });
@@ -400,7 +411,7 @@ mod tests {
 
     #[test]
     fn few_samples_light_whole_surfaces() {
-        for (i, light) in smoothed(Strength::of([0.0; 2]), |_| 2.0).into_iter().enumerate() {
+        for (i, light) in smoothed(0.0, |_| 2.0).into_iter().enumerate() {
             let requested = if i % 40 < 20 { 2.0 } else { 100.0 };
             assert!(light.count > 0.0 && (light.mean.x - requested).abs() < 1e-3, "pixel {i}: {light:?}");
         }
@@ -411,7 +422,7 @@ mod tests {
         // One of three samples is bright.
         let noise = |i: usize| if (i / 160 + i % 40 / 4).is_multiple_of(3) { 6.0 } else { 0.0 };
         let [little, much] = [0.0, 1000.0].map(|noise_known| {
-            let lights = smoothed(Strength::of([noise_known; 2]), noise);
+            let lights = smoothed(noise_known, noise);
             let near: Vec<f32> =
                 (0..lights.len()).filter(|i| i % 40 < 20).map(|i| lights[i].mean.x).collect();
             let mean = near.iter().sum::<f32>() / near.len() as f32;
@@ -425,13 +436,13 @@ mod tests {
     #[test]
     fn more_noise_is_averaged_more() {
         let of = |wide: f32, shiny: f32| {
-            let Strength { enough: [wide, shiny], steps } = Strength::of([wide * LITTLE, shiny * LITTLE]);
-            (wide, shiny, steps.len())
+            let strength = Strength::of([wide * LITTLE, shiny * LITTLE]);
+            (strength.most_of_one(), strength.enough_of_shiny, strength.steps.len())
         };
         let most = MOST_TIMES * ENOUGH;
-        assert_eq!(of(0.0, 1.0), (ENOUGH, ENOUGH_OF_SHINY, 3), "no less");
-        assert_eq!(of(3.0, 5.0), (3.0 * ENOUGH, 25.0 * ENOUGH_OF_SHINY, 4));
-        assert_eq!(of(0.5, 1e9), (ENOUGH, most, 5), "as far as shiny ones want");
-        assert_eq!(of(1e9, 0.0), (most, ENOUGH_OF_SHINY, 5), "no more");
+        assert_eq!(of(0.0, 1.0), (SPARK, ENOUGH_OF_SHINY, 3), "no less");
+        assert_eq!(of(2.0, 5.0), (2.0 * SPARK, 25.0 * ENOUGH_OF_SHINY, 4));
+        assert_eq!(of(0.5, 1e9), (SPARK, most, 5), "as far as shiny ones want");
+        assert_eq!(of(1e9, 0.0), (MOST_SPARKS * SPARK, ENOUGH_OF_SHINY, 5), "no more");
     }
 }
