@@ -124,11 +124,13 @@ class GnurtEngine(bpy.types.RenderEngine):
         transparent = scene.render.film_transparent or has_holdouts
         options = {"width": size[0], "height": size[1], "spp": settings.samples, "integrator": settings.integrator}
         options |= {"max_depth": settings.max_depth, "seed": settings.seed, "threads": settings.threads, "filter": "blackman-harris"}
+        options |= {"pixel_noise": settings.pixel_noise, "guide": settings.guide}
         options["layers"] = bool(wanted) or transparent or settings.denoise
         found, light = passes.mattes(layer), light_passes.layers(wanted)
         own = aovs.layers(export, wanted)
-        if found or light or own:
-            options |= {"layers": ["all", *(word for word, _ in found), *light, *own], "crypto_depth": passes.matte_depth(layer)}
+        seen = ["denoise"] if settings.denoise else []
+        if found or light or own or seen:
+            options |= {"layers": ["all", *seen, *(word for word, _ in found), *light, *own], "crypto_depth": passes.matte_depth(layer)}
         if settings.clamp > 0:
             options["clamp"] = settings.clamp
         if settings.noise > 0:

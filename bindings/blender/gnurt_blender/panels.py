@@ -20,7 +20,7 @@ class RENDER_PT_gnurt_sampling(bpy.types.Panel):
     def draw(self, context):
         layout, settings = self.layout, context.scene.gnurt
         layout.use_property_split = True
-        for name in ("samples", "preview_samples", "noise", "denoise", "seed", "threads"):
+        for name in ("samples", "preview_samples", "noise", "denoise", "pixel_noise", "seed", "threads"):
             layout.prop(settings, name)
 
 
@@ -36,7 +36,7 @@ class RENDER_PT_gnurt_light(bpy.types.Panel):
     def draw(self, context):
         layout, settings = self.layout, context.scene.gnurt
         layout.use_property_split = True
-        for name in ("integrator", "max_depth", "clamp"):
+        for name in ("integrator", "guide", "max_depth", "clamp"):
             layout.prop(settings, name)
         layout.prop(context.scene.render, "film_transparent")
 

@@ -14,6 +14,16 @@ INTEGRATORS = (
     ("normals", "Normals", "Normals as colours"),
 )
 
+GUIDES = (
+    ("auto", "Automatic", "Learn where light comes from, and use it where that pays"),
+    ("on", "On", "Use it in any case"),
+    ("off", "Off", "Do not learn"),
+)
+PIXEL_NOISE = (
+    ("white", "White", "Errors of pixels are independent; the denoiser works best with it"),
+    ("blue", "Blue", "Errors of neighbouring pixels cancel out; for few samples without denoising"),
+)
+
 
 class GnurtSettings(bpy.types.PropertyGroup):
     samples: IntProperty(name="Samples", description="Samples per pixel", default=64, min=1, soft_max=4096, max=1 << 24)
@@ -22,6 +32,8 @@ class GnurtSettings(bpy.types.PropertyGroup):
     )
     integrator: EnumProperty(name="Integrator", description="How light is found", items=INTEGRATORS, default="path")
     denoise: BoolProperty(name="Denoise", description="Remove the noise of the finished picture", default=False)
+    pixel_noise: EnumProperty(name="Pattern", description="Noise between pixels", items=PIXEL_NOISE, default="white")
+    guide: EnumProperty(name="Path guiding", description="Aim paths at light, with path tracing", items=GUIDES, default="auto")
     max_depth: IntProperty(
         name="Segments",
         description="Longest path in segments: 1 is emitted light, 2 direct light",

@@ -34,6 +34,32 @@ def two_renders_give_the_same_bytes():
 
 
 @check
+def finished_pictures_are_denoised():
+    start()
+    light("AREA", (2, -2, 4), 300)
+    floor()
+    shape("uv_sphere", (0, 0, 1), material("mirror", Metallic=1.0, Roughness=0.0), smooth=True)
+    for x in (-2, -1, 1, 2):
+        shape("cube", (x, -1.5, 0.3), material(f"cube{x}", Base_Color=(0.2 + 0.15 * x, 0.5, 0.8 - 0.2 * x)))
+    camera()
+    settings = bpy.context.scene.gnurt
+    true = render("GNURT", 1024)
+
+    def error(**changed):
+        for name, value in changed.items():
+            setattr(settings, name, value)
+        found = render("GNURT", 8)[..., :3]
+        # Caustics of the ball are single bright pixels: they count as 1.
+        return found, float(np.minimum((found - true[..., :3]) ** 2 / (true[..., :3] ** 2 + 0.01), 1).mean())
+
+    (white, noisy), (blue, as_noisy), (_, clean) = error(), error(pixel_noise="blue"), error(pixel_noise="white", denoise=True)
+    assert (white != blue).any() and 0.8 < as_noisy / noisy < 1.25, (noisy, as_noisy)
+    # With first hits alone it is more than a half.
+    print(f"relative error {noisy:.5f}, denoised {clean:.5f}")
+    assert clean < 0.3 * noisy, (noisy, clean)
+
+
+@check
 def unknown_nodes_are_named():
     start()
     floor()

@@ -59,8 +59,9 @@ const LIGHT: &str = "light:";
 /// A choice of layers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LayerList {
-    /// Those of surfaces that are kept; `None` = all.
-    names: Option<Vec<&'static str>>,
+    /// Those of surfaces that are kept by name, and whether all of them are.
+    names: Vec<&'static str>,
+    has_all: bool,
     /// Those of light.
     pub light: Vec<LightLayer>,
     /// Those of Cryptomatte.
@@ -99,18 +100,18 @@ pub fn known_words() -> Vec<&'static str> {
 /// # Errors
 /// [`LayerError`] names the entry at fault.
 pub fn layers(text: &str) -> Result<LayerList, LayerError> {
-    let mut names = Some(Vec::new());
+    let (mut names, mut has_all) = (Vec::new(), false);
     let (mut light, mut mattes): (Vec<LightLayer>, Vec<MatteKind>) = Default::default();
     let parts = parts(text);
     for part in &parts {
         let part = part.trim();
         let word = &part.replace('-', "_")[..];
         if let Some((_, layers)) = WORDS.iter().find(|(known, _)| *known == word) {
-            names.iter_mut().for_each(|names| names.extend_from_slice(layers));
+            names.extend_from_slice(layers);
         } else if let Some((_, kinds)) = MATTES.iter().find(|(known, _)| *known == word) {
             mattes.extend(kinds.iter().filter(|kind| !mattes.contains(kind)).copied().collect::<Vec<_>>());
         } else if part == ALL {
-            names = None;
+            has_all = true;
         } else if part == NONE && parts.len() == 1 {
         } else {
             let layer = LightLayer::of_word(word).map_or_else(|| light_layer(part), Ok)?;
@@ -120,7 +121,7 @@ pub fn layers(text: &str) -> Result<LayerList, LayerError> {
             light.push(layer);
         }
     }
-    Ok(LayerList { names, light, mattes, text: text.replace(char::is_control, " ") })
+    Ok(LayerList { names, has_all, light, mattes, text: text.replace(char::is_control, " ") })
 }
 
 /// A list at its commas, but those in counts, brackets and labels of expressions.
@@ -194,15 +195,17 @@ impl LayerList {
     /// Whether it has the layers that follow mirrors and glass.
     #[must_use]
     pub fn has_seen(&self) -> bool {
-        self.names.as_ref().is_some_and(|names| names.iter().any(|name| name.starts_with(SEEN)))
+        self.names.iter().any(|name| name.starts_with(SEEN))
     }
 
     /// Drops the layers that are not in it; `light`: the layers of light of the picture.
     pub fn apply(&self, picture: &mut Picture, light: &[LightLayer]) {
-        let Some(names) = &self.names else { return };
+        if self.has_all {
+            return;
+        }
         // Parts of the light make the whole of it, with the background.
         let is_part = |name: &str| name == BACKGROUND || light.iter().any(|layer| layer.name == name);
-        let is_kept = |name: &str| names.contains(&name) || (!light.is_empty() && is_part(name));
+        let is_kept = |name: &str| self.names.contains(&name) || (!light.is_empty() && is_part(name));
         if !is_kept(BACKGROUND) {
             picture.drop_background();
         }
@@ -231,6 +234,13 @@ mod tests {
         assert_eq!(kept("normal,direct,x=C<RD>{1,2}[LO]"), ["N", "direct", "x"], "of light as well");
         assert_eq!(kept("shader.x,x=C.*"), ["x"], "of shaders");
         assert_eq!(kept("all,direct").len(), 8, "all of surfaces and one of light");
+        let seen = ["all,denoise", "denoise,all", "denoise", "all"]
+            .map(|text| layers(text).expect("known words").has_seen());
+        assert_eq!(
+            (seen, kept("all,denoise").len()),
+            ([true, true, true, false], 8),
+            "more than all of surfaces"
+        );
         let mattes = layers("crypto-material,cryptomatte").expect("known words").mattes;
         assert_eq!(mattes, [MatteKind::Material, MatteKind::Object, MatteKind::Asset], "each kind once");
         for (bad, words) in [
