@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Measures shader files as machine code: nanoseconds a point, for each level of the CPU.
+//! Measures shader files as machine code: nanoseconds a point, for each level of the CPU, a batch at a time and two.
 //!
 //! `cargo run --release -p gnurt-jit --example files -- FILE.osl...`
 
@@ -91,11 +91,14 @@ fn main() -> Result<(), String> {
             Path::new(&path).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into());
         let _ = write!(out, "{name:<40}");
         for &level in &levels {
-            match Compiled::new(plan.clone(), level) {
-                Ok(code) => {
-                    let mut lanes = Lanes::new(&code, &world);
-                    let each = time(COUNT, || batches.iter().for_each(|points| lanes.run(points)));
-                    let _ = write!(out, " {level} {each:.1}");
+            match Compiled::new(plan.clone(), level)
+                .and_then(|one| Ok((one, Compiled::pair(plan.clone(), level)?)))
+            {
+                Ok((one, two)) => {
+                    let (mut a, mut b) = (Lanes::new(&one, &world), Lanes::new(&two, &world));
+                    let each = time(COUNT, || batches.iter().for_each(|points| a.run(points)));
+                    let in_pairs = time(COUNT, || batches.chunks(2).for_each(|points| b.run_all(points)));
+                    let _ = write!(out, " {level} {each:.1} {in_pairs:.1}");
                 }
                 Err(why) => {
                     let _ = write!(out, " {level} {why}");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Measures: sixteen lanes over one, by kernels, and how long a group takes to compile. Prints a table.
+//! Measures: one lane, sixteen, and two batches of sixteen at once, by kernels, and how long a group takes to compile. Prints a table.
 //!
 //! `cargo run --release -p gnurt-jit --example speed`
 
@@ -160,14 +160,20 @@ fn main() {
     let mut out = std::io::stdout().lock();
     let world = World(ColorSystem::named("Rec709").expect("it is known"));
     let levels: Vec<Level> = Level::available().into_iter().filter(|&l| Compiled::can(l)).collect();
-    let _ = writeln!(out, "ns a point; a ratio is one lane over sixteen, both machine code");
+    let _ = writeln!(
+        out,
+        "ns a point; ratios are one lane over sixteen, and sixteen over two batches of sixteen at once, all machine code"
+    );
     let _ = write!(out, "{:<24}{:>12}", "kernel", "interpreter");
     for level in &levels {
-        let _ = write!(out, "{:>12}{:>12}{:>8}", format!("{level} x1"), format!("{level} x16"), "ratio");
+        for lanes in ["x1", "x16", "x32"] {
+            let _ = write!(out, "{:>12}", format!("{level} {lanes}"));
+        }
+        let _ = write!(out, "{:>8}{:>8}", "16/1", "32/16");
     }
     let _ = writeln!(out);
     let all = points(256);
-    let mut sums = vec![0.0; levels.len()];
+    let mut sums = vec![[0.0; 2]; levels.len()];
     let kernels = kernels();
     for (name, body) in &kernels {
         let text =
@@ -180,18 +186,21 @@ fn main() {
         for (k, &level) in levels.iter().enumerate() {
             let one = Compiled::scalar(plan.clone(), level).expect("code");
             let many = Compiled::new(plan.clone(), level).expect("code");
+            let pair = Compiled::pair(plan.clone(), level).expect("code");
             let (single, together) = (batches(&all, 1), batches(&all, 16));
-            let (mut a, mut b) = (Lanes::new(&one, &world), Lanes::new(&many, &world));
+            let [mut a, mut b, mut c] = [&one, &many, &pair].map(|code| Lanes::new(code, &world));
             let scalar = time(all.len(), || single.iter().for_each(|points| a.run(points)));
             let wide = time(all.len(), || together.iter().for_each(|points| b.run(points)));
-            sums[k] += (scalar / wide).ln();
-            let _ = write!(out, "{scalar:>12.1}{wide:>12.1}{:>8.2}", scalar / wide);
+            let both = time(all.len(), || together.chunks(2).for_each(|points| c.run_all(points)));
+            let ratios = [scalar / wide, wide / both];
+            sums[k].iter_mut().zip(ratios).for_each(|(sum, ratio)| *sum += ratio.ln());
+            let _ = write!(out, "{scalar:>12.1}{wide:>12.1}{both:>12.1}{:>8.2}{:>8.2}", ratios[0], ratios[1]);
         }
         let _ = writeln!(out);
     }
     for (level, sum) in levels.iter().zip(&sums) {
-        let mean = (sum / kernels.len() as f64).exp();
-        let _ = writeln!(out, "{level}: geometric mean of {} ratios {mean:.2}", kernels.len());
+        let [lanes, pairs] = sum.map(|sum| (sum / kernels.len() as f64).exp());
+        let _ = writeln!(out, "{level}: geometric means of {} ratios {lanes:.2}, {pairs:.2}", kernels.len());
     }
     let _ =
         writeln!(out, "\ncompiling, ms: source to intermediate form, plan, machine code; and bytes of code");

@@ -7,7 +7,7 @@ use gnurt_simd::Level;
 use gnurt_sl::exec::{Event, Host, Plan, Point, Points, Program, Results, RetainedOutput};
 use std::collections::{HashMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 use crate::compiled::{Compiled, NoCode};
@@ -17,8 +17,30 @@ use crate::fingerprint::fingerprint;
 const KEPT: usize = 256;
 /// Threads that make code at once: the others wait, for scenes may have thousands of groups.
 const THREADS: usize = 4;
+/// Pairs of batches that come before code for pairs is made: short previews are not worth it.
+const PAIRS: u32 = 16;
 
-type Slot = Arc<OnceLock<Result<Compiled, NoCode>>>;
+type Made = OnceLock<Result<Compiled, NoCode>>;
+
+/// The code of a group.
+#[derive(Default)]
+struct Codes {
+    one: Made,
+    /// For two batches at once.
+    pair: Made,
+    /// Pairs that have come without such code, up to [`PAIRS`].
+    pairs: AtomicU32,
+}
+
+type Slot = Arc<Codes>;
+
+/// Code that is to be made.
+struct Request {
+    plan: Arc<Plan>,
+    level: Level,
+    slot: Slot,
+    is_pair: bool,
+}
 
 /// Code by group (instance values are part of it) and level.
 #[derive(Default)]
@@ -30,7 +52,7 @@ pub struct Cache {
 /// Groups that wait for their code.
 #[derive(Default)]
 struct Queue {
-    waiting: VecDeque<(Arc<Plan>, Level, Slot)>,
+    waiting: VecDeque<Request>,
     /// Threads that make some.
     threads: usize,
 }
@@ -41,7 +63,9 @@ static IS_REPORTED: AtomicBool = AtomicBool::new(false);
 /// A group that runs, by code as soon as there is some.
 pub struct Job {
     plan: Arc<Plan>,
+    level: Level,
     slot: Slot,
+    queue: Arc<Mutex<Queue>>,
     /// Whether the reason for missing code has been reported.
     is_reported: AtomicBool,
 }
@@ -52,10 +76,25 @@ impl std::fmt::Debug for Cache {
     }
 }
 
-/// Makes code; a mistake of ours leaves the group to the interpreter.
-fn made(plan: Arc<Plan>, level: Level) -> Result<Compiled, NoCode> {
-    let work = AssertUnwindSafe(|| Compiled::new(plan, level));
-    catch_unwind(work).unwrap_or_else(|_| Err(NoCode::OfGroup("the compiler made a mistake".into())))
+impl Request {
+    /// Makes the code; a mistake of ours leaves the group to the interpreter.
+    fn make(self) {
+        let Self { plan, level, slot, is_pair } = self;
+        let make = if is_pair { Compiled::pair } else { Compiled::new };
+        let made = catch_unwind(AssertUnwindSafe(|| make(plan, level)));
+        let mistake = |_| Err(NoCode::OfGroup("the compiler made a mistake".into()));
+        let _ = slot.place(is_pair).set(made.unwrap_or_else(mistake));
+    }
+
+    fn fail(self, why: impl Into<String>) {
+        let _ = self.slot.place(self.is_pair).set(Err(NoCode::Here(why.into())));
+    }
+}
+
+impl Codes {
+    fn place(&self, is_pair: bool) -> &Made {
+        if is_pair { &self.pair } else { &self.one }
+    }
 }
 
 /// Makes code while requests are pending.
@@ -66,8 +105,8 @@ fn work(queue: &Mutex<Queue>) {
             queue.threads -= usize::from(next.is_none());
             next
         });
-        let Some((plan, level, slot)) = next else { return };
-        let _ = slot.set(made(plan, level));
+        let Some(request) = next else { return };
+        request.make();
     }
 }
 
@@ -97,54 +136,54 @@ impl Cache {
             }
             Err(_) => {
                 let lost = Slot::default();
-                let _ = lost.set(Err(NoCode::Here("the list of code is lost".into())));
+                let _ = lost.one.set(Err(NoCode::Here("the list of code is lost".into())));
                 lost
             }
         };
-        if let Some(slot) = new {
-            self.make(plan.clone(), level, slot, key);
+        if let Some(slot) = new
+            && !request(&self.queue, Request { plan: plan.clone(), level, slot, is_pair: false })
+            && let Ok(mut slots) = self.slots.lock()
+        {
+            // The next one tries again.
+            slots.remove(&key);
         }
-        Job { plan, slot, is_reported: AtomicBool::new(false) }
+        Job { plan, level, slot, queue: self.queue.clone(), is_reported: AtomicBool::new(false) }
     }
+}
 
-    fn make(&self, plan: Arc<Plan>, level: Level, slot: Slot, key: (u128, Level)) {
-        let Ok(mut queue) = self.queue.lock() else {
-            let _ = slot.set(Err(NoCode::Here("the list of what waits for code is lost".into())));
-            return;
-        };
-        queue.waiting.push_back((plan, level, slot));
-        if queue.threads >= THREADS {
-            return;
-        }
-        queue.threads += 1;
-        drop(queue);
-        let all = self.queue.clone();
-        let Err(why) = std::thread::Builder::new().name("shader code".into()).spawn(move || work(&all))
-        else {
-            return;
-        };
-        // Other threads process pending requests; if there are none, the request fails, and the next one
-        // tries again.
-        let Ok(mut queue) = self.queue.lock() else { return };
-        queue.threads -= 1;
-        if queue.threads == 0 {
-            let left = std::mem::take(&mut queue.waiting);
-            drop(queue);
-            for (.., slot) in left {
-                let _ = slot.set(Err(NoCode::Here(format!("no thread to compile in: {why}"))));
-            }
-            if let Ok(mut slots) = self.slots.lock() {
-                slots.remove(&key);
-            }
-        }
+/// Has code made by a thread. Returns whether there is one, or it is known for good that there is none.
+fn request(all: &Arc<Mutex<Queue>>, request: Request) -> bool {
+    let Ok(mut queue) = all.lock() else {
+        request.fail("the list of what waits for code is lost");
+        return true;
+    };
+    queue.waiting.push_back(request);
+    if queue.threads >= THREADS {
+        return true;
     }
+    queue.threads += 1;
+    drop(queue);
+    let here = all.clone();
+    let Err(why) = std::thread::Builder::new().name("shader code".into()).spawn(move || work(&here)) else {
+        return true;
+    };
+    // Other threads process pending requests; if there are none, the request fails.
+    let Ok(mut queue) = all.lock() else { return true };
+    queue.threads -= 1;
+    if queue.threads > 0 {
+        return true;
+    }
+    let left = std::mem::take(&mut queue.waiting);
+    drop(queue);
+    left.into_iter().for_each(|request| request.fail(format!("no thread to compile in: {why}")));
+    false
 }
 
 impl Job {
     /// Whether code was made, or it is known that there is none.
     #[must_use]
     pub fn is_ready(&self) -> bool {
-        self.slot.get().is_some()
+        self.slot.one.get().is_some()
     }
 
     /// Waits until there is code.
@@ -152,15 +191,33 @@ impl Job {
     /// # Errors
     /// Why there is none and the interpreter runs the group.
     pub fn wait(&self) -> Result<&Compiled, NoCode> {
-        self.slot.wait().as_ref().map_err(Clone::clone)
+        self.slot.one.wait().as_ref().map_err(Clone::clone)
+    }
+
+    /// The code for two batches at once, which is made once some pairs have come.
+    fn pair(&self) -> Option<&Compiled> {
+        if let Some(made) = self.slot.pair.get() {
+            return made.as_ref().ok();
+        }
+        let pays = Compiled::pairs_pay(self.level) && matches!(self.slot.one.get(), Some(Ok(_)));
+        if pays && self.slot.pairs.load(Ordering::Relaxed) < PAIRS {
+            let come = self.slot.pairs.fetch_add(1, Ordering::Relaxed) + 1;
+            if come == PAIRS {
+                let (plan, slot) = (self.plan.clone(), self.slot.clone());
+                request(&self.queue, Request { plan, level: self.level, slot, is_pair: true });
+            }
+        }
+        None
     }
 }
 
 impl Program for Job {
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
-        match self.slot.get() {
+        match self.slot.one.get() {
             // The runner counts stopped points.
-            Some(Ok(code)) => code.run_for(&self.plan, host, points, out),
+            Some(Ok(code)) => {
+                code.run_for(&self.plan, host, std::slice::from_ref(points), std::slice::from_mut(out));
+            }
             code => {
                 self.plan.run(host, points, out);
                 if let Some(Err(why)) = code
@@ -173,6 +230,13 @@ impl Program for Job {
                     out.events.push((0, Event::Warning(text)));
                 }
             }
+        }
+    }
+
+    fn run_pair(&self, host: &dyn Host, points: &[Points; 2], out: &mut [Results; 2]) {
+        match self.pair() {
+            Some(code) => code.run_for(&self.plan, host, points, out),
+            None => points.iter().zip(out).for_each(|(points, out)| self.run(host, points, out)),
         }
     }
 

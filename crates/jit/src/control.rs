@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The control of a program, for any machine: on masks in memory, sixteen bits each, with branches that skip
+//! The control of a program, for any machine: on masks in memory, a bit for each lane, with branches that skip
 //! code without running lanes. A layer is a function.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 

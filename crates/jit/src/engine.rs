@@ -8,18 +8,18 @@ use gnurt_sl::tools::Batch;
 use gnurt_sl::types::Type;
 use std::sync::Arc;
 
-use crate::{Compiled, Lanes};
+use crate::{Compiled, Lanes, NoCode};
 
 impl Batch for Lanes<'_> {
     fn lanes(&self) -> usize {
         self.width()
     }
 
-    fn run(&mut self, points: &Points) {
-        Lanes::run(self, points);
+    fn run(&mut self, points: &[Points]) {
+        Lanes::run_all(self, points);
     }
 
-    fn begin(&mut self, points: &Points) {
+    fn begin(&mut self, points: &[Points]) {
         Lanes::begin(self, points);
     }
 
@@ -37,7 +37,7 @@ impl Batch for Lanes<'_> {
 }
 
 /// Compiles a group for the engine of a name: `machine` for the best level of the CPU, a level's name for that level, with
-/// `-scalar` after it for one point at a time.
+/// `-scalar` after it for one point at a time, and with `-pair` for two batches at once.
 ///
 /// # Errors
 /// As [`Compiled::new`]; a name that is not known.
@@ -47,15 +47,15 @@ pub fn engine(
     host: &dyn Host,
     with: &mut dyn FnMut(&mut dyn Batch),
 ) -> Result<(), String> {
-    let (level_name, scalar) =
-        name.strip_suffix("-scalar").map_or((name, false), |level_name| (level_name, true));
+    type Make = fn(Arc<Plan>, Level) -> Result<Compiled, NoCode>;
+    let kinds: [(&str, Make); 2] = [("-scalar", Compiled::scalar), ("-pair", Compiled::pair)];
+    let found = kinds.into_iter().find_map(|(suffix, make)| Some((name.strip_suffix(suffix)?, make)));
+    let (level_name, make) = found.unwrap_or((name, Compiled::new));
     let level: Level = match level_name {
         "machine" => Level::best(),
         level_name => level_name.parse().map_err(|wrong| format!("unknown engine '{name}': {wrong}"))?,
     };
-    let code =
-        if scalar { Compiled::scalar(plan.clone(), level) } else { Compiled::new(plan.clone(), level) };
-    let code = code.map_err(|why| why.to_string())?;
+    let code = make(plan.clone(), level).map_err(|why| why.to_string())?;
     with(&mut Lanes::new(&code, host));
     Ok(())
 }

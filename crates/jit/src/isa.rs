@@ -237,8 +237,8 @@ pub(crate) trait Isa: Default {
     fn gather_mask(&mut self, _k: u8, _reg: u8) {
         no_mask_registers()
     }
-    /// A word of memory to a mask register.
-    fn load_mask(&mut self, _k: u8, _at: u32) {
+    /// The mask of the lanes that run, from `lane` on, to a mask register.
+    fn load_exec_mask(&mut self, _k: u8, _lane: u32) {
         no_mask_registers()
     }
     /// A comparison.
@@ -256,8 +256,8 @@ pub(crate) trait Isa: Default {
     fn choose_by_mask(&mut self, _: Width, _to: u8, _k: u8, _yes: Source, _no: u8) {
         no_mask_registers()
     }
-    /// All lanes of a mask register to a word of memory.
-    fn write_mask(&mut self, _k: u8, _at: u32) {
+    /// A mask register to the bits of a word of memory from `lane` on; the word is cleared with the first.
+    fn write_mask(&mut self, _k: u8, _lane: u32, _at: u32) {
         no_mask_registers()
     }
 }

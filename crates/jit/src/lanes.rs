@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Runs machine code for a batch of points, and executes its calls. Operations without code run in the
-//! interpreter, one lane after the other: the arguments are copied into the machine's memory and the results
-//! are copied back.
+//! Runs machine code for a batch of points, or for two side by side, and executes its calls: those of two batches one after
+//! the other. Operations without code run in the interpreter, one lane after the other: the arguments are copied into the
+//! machine's memory and the results are copied back.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
@@ -17,17 +17,21 @@ use crate::ffi_call::{Calls, Line, cell_values, enter};
 use crate::layout::{CellAddress, Layout};
 use crate::program::{Call, Making};
 
-/// Runs a group for batches of points. One for each thread.
+/// Runs a group for batches of points. One for each thread. Lanes from 16 on are those of the second batch.
 pub struct Lanes<'a> {
     code: &'a Compiled,
     memory: Vec<Line>,
     /// Those of its last call, if layers are run one by one.
-    held: Option<Box<Points>>,
-    work: Work<'a>,
+    held: Vec<Points>,
+    /// Of each batch.
+    works: Vec<Work<'a>>,
 }
 
+/// What is done outside of code for a batch.
 struct Work<'a> {
     code: &'a Compiled,
+    /// Its first lane in the code's memory.
+    first: usize,
     machine: Machine<'a>,
     /// Of each lane; none as long as nothing is done lane by lane.
     messages: Vec<Vec<Message>>,
@@ -49,15 +53,30 @@ impl<'a> Lanes<'a> {
     fn of(code: &'a Compiled, plan: &'a Plan, host: &'a dyn Host) -> Self {
         let pooled = code.memories.lock().ok().and_then(|mut list| list.pop());
         let memory = pooled.unwrap_or_else(|| code.template.clone());
-        let machine = Machine::within(plan, host, plan.lend());
-        let work =
-            Work { code, machine, messages: Vec::new(), events: Vec::new(), lane: usize::MAX, stopped: 0 };
-        Self { code, memory, held: None, work }
+        let work = |first: usize| Work {
+            code,
+            first,
+            machine: Machine::within(plan, host, plan.lend()),
+            messages: Vec::new(),
+            events: Vec::new(),
+            lane: usize::MAX,
+            stopped: 0,
+        };
+        let works = (0..code.lanes()).step_by(LANES).map(work).collect();
+        Self { code, memory, held: Vec::new(), works }
     }
 
     /// Runs the group for some points, at most one for each lane; outputs are then read with
     /// [`output`](Self::output). Earlier messages are dropped.
     pub fn run(&mut self, points: &Points) {
+        self.run_all(std::slice::from_ref(points));
+    }
+
+    /// The same for two batches, or one.
+    ///
+    /// # Panics
+    /// If there are more points than lanes.
+    pub fn run_all(&mut self, points: &[Points]) {
         self.ready(points);
         let Some(last) = self.code.layers.len().checked_sub(1) else { return };
         for layer in 0..last {
@@ -74,18 +93,21 @@ impl<'a> Lanes<'a> {
         self.code.lanes()
     }
 
-    /// Readies for some points without running a layer.
+    /// Readies for two batches, or one, without running a layer.
     ///
     /// # Panics
     /// If there are more points than lanes.
-    pub fn begin(&mut self, points: &Points) {
-        self.held.get_or_insert_default().as_mut().clone_from(points);
+    pub fn begin(&mut self, points: &[Points]) {
+        self.held.clear();
+        self.held.extend_from_slice(points);
         self.ready(points);
     }
 
-    fn ready(&mut self, points: &Points) {
+    fn ready(&mut self, points: &[Points]) {
         let code = self.code;
-        assert!(points.count <= code.lanes(), "{} points for {} lanes", points.count, code.lanes());
+        let most = code.lanes().min(LANES);
+        let fits = points.len() <= self.works.len() && points.iter().all(|points| points.count <= most);
+        assert!(fits, "{} batches of points for {} lanes", points.len(), code.lanes());
         for &(start, count) in &code.resets {
             self.memory[start..start + count].copy_from_slice(&code.template[start..start + count]);
         }
@@ -94,53 +116,58 @@ impl<'a> Lanes<'a> {
         for &flag in &code.program.flags {
             memory[Layout::slot(flag) as usize / 4] = 0;
         }
-        let work = &mut self.work;
-        if !code.program.calls.is_empty() {
-            work.machine.start();
-            work.events.clear();
-            work.stopped = 0;
-            for list in &mut work.messages {
-                list.clear();
+        for work in &mut self.works {
+            if !code.program.calls.is_empty() {
+                work.start();
             }
-            work.lane = usize::MAX;
         }
         for (name, slot) in &code.globals {
-            global(name, slot, points, |cell, row| match code.layout.address(cell) {
-                CellAddress::Each(at) => {
-                    if let Some(cell_values) = memory[at as usize / 4..].first_chunk_mut::<LANES>() {
-                        for i in 0..LANES {
-                            cell_values[i] = row[i].to_bits();
+            for (work, points) in self.works.iter().zip(points) {
+                global(name, slot, points, |cell, row| match code.layout.address(cell) {
+                    CellAddress::Each(at) => {
+                        let at = at as usize / 4 + work.first;
+                        if let Some(cell_values) = memory[at..].first_chunk_mut::<LANES>() {
+                            for i in 0..LANES {
+                                cell_values[i] = row[i].to_bits();
+                            }
                         }
                     }
-                }
-                CellAddress::One(at) => memory[at as usize / 4] = row[0].to_bits(),
-            });
+                    CellAddress::One(at) => memory[at as usize / 4] = row[0].to_bits(),
+                });
+            }
         }
     }
 
     /// Runs a layer for all points that have not run it.
     pub fn layer(&mut self, layer: usize) {
-        if let Some(points) = self.held.take() {
-            self.enter(layer, &points);
-            self.held = Some(points);
-        }
+        let points = std::mem::take(&mut self.held);
+        self.enter(layer, &points);
+        self.held = points;
     }
 
-    fn enter(&mut self, layer: usize, points: &Points) {
-        let all = (1 << points.count) - 1;
+    fn enter(&mut self, layer: usize, points: &[Points]) {
+        let bits = |(half, points): (usize, &Points)| ((1_u32 << points.count) - 1) << (half * LANES);
+        let all = points.iter().enumerate().map(bits).fold(0, |all, bits| all | bits);
         if all == 0 {
             return;
         }
         cell_values(&mut self.memory)[Layout::EXEC as usize / 4] = all;
-        let mut batch = Batch { work: &mut self.work, points };
+        let mut batch = Batch { works: &mut self.works, points };
         enter(&self.code.code, self.code.layers[layer], &mut self.memory, &mut batch);
     }
 
     /// The messages, by lanes in order.
     pub fn take_events(&mut self) -> Vec<(usize, Event)> {
-        let mut events = std::mem::take(&mut self.work.events);
-        events.sort_by_key(|(lane, _)| *lane);
-        events
+        let mut all = Vec::new();
+        for work in &mut self.works {
+            all.extend(work.take_events().into_iter().map(|(lane, event)| (work.first + lane, event)));
+        }
+        all
+    }
+
+    /// The batch of a lane.
+    fn work(&self, lane: usize) -> &Work<'a> {
+        &self.works[lane / LANES]
     }
 
     /// The value and type of a layer's output, or of `Ci` and other globals, for a point.
@@ -155,7 +182,7 @@ impl<'a> Lanes<'a> {
             }
         };
         let cell_values = self.cell_values(&slot, lane);
-        let texts = self.work.machine.texts();
+        let texts = self.work(lane).machine.texts();
         let data = match slot.ty.base {
             Base::String => Data::Str(cell_values.iter().map(|&w| texts.text(w).clone()).collect()),
             Base::Int | Base::Closure => Data::Int(cell_values.iter().map(|&w| w as i32).collect()),
@@ -185,52 +212,61 @@ impl<'a> Lanes<'a> {
     /// The components of a point's closure with their weights, in order.
     #[must_use]
     pub fn components(&self, number: u32, lane: usize) -> Vec<([f32; 3], Component)> {
-        self.work.machine.components_of(number, lane)
+        self.work(lane).machine.components_of(number, lane % LANES)
     }
 }
 
-fn get(layout: &Layout, memory: &[u32], cell: u32, lane: usize) -> u32 {
-    match layout.address(cell) {
-        CellAddress::Each(at) => memory[at as usize / 4 + lane],
-        CellAddress::One(at) => memory[at as usize / 4],
-    }
+/// Where the values of a batch are: from lane `first` on.
+#[derive(Clone, Copy)]
+struct Place<'m> {
+    layout: &'m Layout,
+    first: usize,
 }
 
-fn set(layout: &Layout, memory: &mut [u32], cell: u32, lane: usize, bits: u32) {
-    match layout.address(cell) {
-        CellAddress::Each(at) => memory[at as usize / 4 + lane] = bits,
-        CellAddress::One(at) => memory[at as usize / 4] = bits,
+impl Place<'_> {
+    fn get(self, memory: &[u32], cell: u32, lane: usize) -> u32 {
+        match self.layout.address(cell) {
+            CellAddress::Each(at) => memory[at as usize / 4 + self.first + lane],
+            CellAddress::One(at) => memory[at as usize / 4],
+        }
     }
-}
 
-fn cells<'m>(layout: &Layout, memory: &'m [u32], cell: u32) -> Cells<'m> {
-    match layout.address(cell) {
-        CellAddress::One(at) => Cells::One(memory[at as usize / 4]),
-        CellAddress::Each(at) => match memory[at as usize / 4..].first_chunk() {
-            Some(row) => Cells::Each(row),
-            None => Cells::One(0),
-        },
+    fn set(self, memory: &mut [u32], cell: u32, lane: usize, bits: u32) {
+        match self.layout.address(cell) {
+            CellAddress::Each(at) => memory[at as usize / 4 + self.first + lane] = bits,
+            CellAddress::One(at) => memory[at as usize / 4] = bits,
+        }
+    }
+
+    fn cells(self, memory: &[u32], cell: u32) -> Cells<'_> {
+        match self.layout.address(cell) {
+            CellAddress::One(at) => Cells::One(memory[at as usize / 4]),
+            CellAddress::Each(at) => match memory[at as usize / 4 + self.first..].first_chunk() {
+                Some(row) => Cells::Each(row),
+                None => Cells::One(0),
+            },
+        }
     }
 }
 
 /// The values of a batch that is run.
 struct Held<'m> {
-    layout: &'m Layout,
+    place: Place<'m>,
     memory: &'m mut [u32],
 }
 
 impl RunningBatch for Held<'_> {
     fn get(&self, cell: u32) -> Cells<'_> {
-        cells(self.layout, self.memory, cell)
+        self.place.cells(self.memory, cell)
     }
 
     fn put(&mut self, cell: u32, lanes: u32, cell_values: &[u32; LANES]) {
-        match self.layout.address(cell) {
+        match self.place.layout.address(cell) {
             CellAddress::One(at) => {
                 self.memory[at as usize / 4] = cell_values[lanes.trailing_zeros() as usize % LANES]
             }
             CellAddress::Each(at) => {
-                let row = &mut self.memory[at as usize / 4..][..LANES];
+                let row = &mut self.memory[at as usize / 4 + self.place.first..][..LANES];
                 for (lane, (to, &bits)) in row.iter_mut().zip(cell_values).enumerate() {
                     *to = if lanes >> lane & 1 != 0 { bits } else { *to };
                 }
@@ -279,52 +315,48 @@ fn global(name: &str, slot: &Slot, points: &Points, mut put: impl FnMut(u32, &Ro
 }
 
 impl Compiled {
-    /// Runs it for a plan that means the same, which counts the points that were stopped.
-    pub(crate) fn run_for(&self, plan: &Plan, host: &dyn Host, points: &Points, out: &mut Results) {
-        out.events.clear();
-        out.closures.clear();
-        out.ci = [0; 16];
-        out.rows.clear();
-        out.rows.resize(
-            self.retained.iter().map(|(pooled, _)| pooled.row + pooled.ty.size()).max().unwrap_or(0),
-            [0.0; 16],
-        );
+    /// Runs it for a plan that means the same, which counts the points that were stopped. Batches are as many as results.
+    pub(crate) fn run_for(&self, plan: &Plan, host: &dyn Host, points: &[Points], out: &mut [Results]) {
+        let rows = self.retained.iter().map(|(pooled, _)| pooled.row + pooled.ty.size()).max().unwrap_or(0);
+        for out in &mut *out {
+            out.events.clear();
+            out.closures.clear();
+            out.ci = [0; 16];
+            out.rows.clear();
+            out.rows.resize(rows, [0.0; 16]);
+        }
         if plan.is_left_out() {
             return;
         }
         let mut lanes = Lanes::of(self, plan, host);
-        lanes.work.machine.change_closures(&mut out.closures);
-        lanes.run(points);
-        out.events.append(&mut lanes.take_events());
-        if let Some(slot) = plan.globals.get("Ci") {
-            for (lane, ci) in out.ci.iter_mut().enumerate().take(points.count) {
-                *ci = get(&self.layout, cell_values(&mut lanes.memory), slot.at, lane);
-            }
+        for (work, out) in lanes.works.iter_mut().zip(&mut *out) {
+            work.machine.change_closures(&mut out.closures);
         }
-        for (pooled, slot) in &self.retained {
-            for k in 0..pooled.ty.size() {
-                let row = &mut out.rows[pooled.row + k];
-                for (lane, x) in row.iter_mut().enumerate().take(points.count) {
-                    let bits = get(&self.layout, cell_values(&mut lanes.memory), slot.at + k as u32, lane);
-                    *x = if slot.ty.base == Base::Int { bits as i32 as f32 } else { f32::from_bits(bits) };
-                }
-            }
+        lanes.run_all(points);
+        let Lanes { mut memory, mut works, .. } = lanes;
+        for ((work, points), out) in works.iter_mut().zip(points).zip(out) {
+            work.end(cell_values(&mut memory), plan, points, out);
         }
-        for _ in 0..lanes.work.stopped {
-            out.events.extend(plan.strike().map(|event| (0, event)));
-        }
-        lanes.work.machine.change_closures(&mut out.closures);
-        let Lanes { memory, work, .. } = lanes;
         if let Ok(mut memories) = self.memories.lock() {
             memories.push(memory);
         }
-        plan.take_back(work.machine.into_memory());
+        for work in works {
+            plan.take_back(work.machine.into_memory());
+        }
     }
 }
 
 impl Program for Compiled {
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
-        self.run_for(&self.plan, host, points, out);
+        self.run_for(&self.plan, host, std::slice::from_ref(points), std::slice::from_mut(out));
+    }
+
+    fn run_pair(&self, host: &dyn Host, points: &[Points; 2], out: &mut [Results; 2]) {
+        if self.lanes() > LANES {
+            self.run_for(&self.plan, host, points, out);
+            return;
+        }
+        points.iter().zip(out).for_each(|(points, out)| self.run(host, points, out));
     }
 
     fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
@@ -338,37 +370,94 @@ impl Program for Compiled {
 
 /// The points that are run, while code runs.
 struct Batch<'w, 'a> {
-    work: &'w mut Work<'a>,
-    points: &'w Points,
+    works: &'w mut [Work<'a>],
+    points: &'w [Points],
 }
 
 impl Calls for Batch<'_, '_> {
     fn call(&mut self, memory: &mut [u32], number: u32) {
-        let (work, points) = (&mut *self.work, self.points);
+        for (work, points) in self.works.iter_mut().zip(self.points) {
+            let running = memory[Layout::EXEC as usize / 4] >> work.first & 0xffff;
+            if running != 0 {
+                work.call(memory, number, running, points);
+            }
+        }
+    }
+}
+
+impl Work<'_> {
+    /// Readies for a batch.
+    fn start(&mut self) {
+        self.machine.start();
+        self.events.clear();
+        self.stopped = 0;
+        for list in &mut self.messages {
+            list.clear();
+        }
+        self.lane = usize::MAX;
+    }
+
+    /// The messages, by its lanes in order.
+    fn take_events(&mut self) -> Vec<(usize, Event)> {
+        let mut events = std::mem::take(&mut self.events);
+        events.sort_by_key(|(lane, _)| *lane);
+        events
+    }
+
+    fn place(&self) -> Place<'_> {
+        Place { layout: &self.code.layout, first: self.first }
+    }
+
+    /// Writes the results of its batch.
+    fn end(&mut self, memory: &[u32], plan: &Plan, points: &Points, out: &mut Results) {
+        out.events.append(&mut self.take_events());
+        let place = Place { layout: &self.code.layout, first: self.first };
+        if let Some(slot) = plan.globals.get("Ci") {
+            for (lane, ci) in out.ci.iter_mut().enumerate().take(points.count) {
+                *ci = place.get(memory, slot.at, lane);
+            }
+        }
+        for (pooled, slot) in &self.code.retained {
+            for k in 0..pooled.ty.size() {
+                let row = &mut out.rows[pooled.row + k];
+                for (lane, x) in row.iter_mut().enumerate().take(points.count) {
+                    let bits = place.get(memory, slot.at + k as u32, lane);
+                    *x = if slot.ty.base == Base::Int { bits as i32 as f32 } else { f32::from_bits(bits) };
+                }
+            }
+        }
+        for _ in 0..self.stopped {
+            out.events.extend(plan.strike().map(|event| (0, event)));
+        }
+        self.machine.change_closures(&mut out.closures);
+    }
+
+    /// Does a call for some of its lanes.
+    fn call(&mut self, memory: &mut [u32], number: u32, running: u32, points: &Points) {
+        let work = self;
         let code = work.code;
-        let running = memory[Layout::EXEC as usize / 4];
-        let lanes = (0..code.lanes()).filter(|lane| running >> lane & 1 != 0);
+        let place = Place { layout: &code.layout, first: work.first };
         match &code.program.calls[number as usize] {
             Call::Step { layer, step, ins, outs } => {
                 work.one_by_one(memory, (points, running), *layer, step, (ins, outs));
             }
             Call::Together { layer, step, ins, outs } => {
-                let mut held = Held { layout: &code.layout, memory: &mut *memory };
+                let mut held = Held { place, memory: &mut *memory };
                 if !work.machine.run_batched(step, running, points, &mut held) {
                     work.one_by_one(memory, (points, running), *layer, step, (ins, outs));
                 }
             }
             Call::Closure(making) => {
                 let Making { layer, step, ins, outs, is_named, bound } = &**making;
-                let (layout, held) = (&code.layout, &*memory);
-                let read = |cell: u32| cells(layout, held, cell);
+                let held = &*memory;
+                let read = |cell: u32| place.cells(held, cell);
                 let machine = &mut work.machine;
                 let bound =
                     bound.get_or_init(|| is_named.then(|| machine.bind_component(step, read)).flatten());
                 let made = bound.as_ref().and_then(|bound| machine.make_component(bound, read));
                 let made = made.map(|number| [number; LANES]);
                 match made.or_else(|| machine.make_closures(step, running, read)) {
-                    Some(made) => Held { layout, memory }.put(step.args[0].at, running, &made),
+                    Some(made) => Held { place, memory }.put(step.args[0].at, running, &made),
                     // The reason.
                     None => work.one_by_one(memory, (points, running), *layer, step, (ins, outs)),
                 }
@@ -377,7 +466,7 @@ impl Calls for Batch<'_, '_> {
                 let mut found = 0;
                 let param = &code.plan.layers[*layer].params[*param];
                 let slot = code.plan.layers[*layer].slots[param.symbol as usize];
-                for lane in lanes {
+                for lane in lanes_of(running) {
                     work.change_lane(points, lane);
                     work.bring(memory, lane, &slot);
                     if work.machine.fetch_userdata(*layer, param) {
@@ -386,10 +475,11 @@ impl Calls for Batch<'_, '_> {
                     }
                     work.collect_events(lane);
                 }
-                memory[Layout::slot(*given) as usize / 4] = found;
+                let word = &mut memory[Layout::slot(*given) as usize / 4];
+                *word = *word & !(0xffff << work.first) | found << work.first;
             }
             Call::Stopped { layer, at } => {
-                for lane in lanes {
+                for lane in lanes_of(running) {
                     work.change_lane(points, lane);
                     work.machine.report_stopped(*layer, *at, code.plan.iterations);
                     work.stopped += 1;
@@ -398,9 +488,7 @@ impl Calls for Batch<'_, '_> {
             }
         }
     }
-}
 
-impl Work<'_> {
     /// Gives the machine a lane's point and messages.
     fn change_lane(&mut self, points: &Points, lane: usize) {
         if self.lane == lane {
@@ -439,19 +527,19 @@ impl Work<'_> {
 
     /// From a lane to the machine.
     fn bring(&mut self, memory: &[u32], lane: usize, slot: &Slot) {
-        let layout = &self.code.layout;
+        let place = Place { layout: &self.code.layout, first: self.first };
         let cells = self.machine.cells();
         for cell in slot.at..slot.at + slot.cells() as u32 {
-            cells[cell as usize] = get(layout, memory, cell, lane);
+            cells[cell as usize] = place.get(memory, cell, lane);
         }
     }
 
     /// And back.
     fn fetch(&mut self, memory: &mut [u32], lane: usize, slot: &Slot) {
-        let layout = &self.code.layout;
+        let place = Place { layout: &self.code.layout, first: self.first };
         let cells = self.machine.cells();
         for cell in slot.at..slot.at + slot.cells() as u32 {
-            set(layout, memory, cell, lane, cells[cell as usize]);
+            place.set(memory, cell, lane, cells[cell as usize]);
         }
     }
 
@@ -507,7 +595,7 @@ impl Work<'_> {
         if index.ty != Type::INT || array.size <= 1 {
             return None;
         }
-        let index = get(&self.code.layout, memory, index.at, lane) as i32;
+        let index = self.place().get(memory, index.at, lane) as i32;
         let index = usize::try_from(index).ok().filter(|&i| i < array.ty.elements())?;
         let mut part = *array;
         part.at += index as u32 * array.one;

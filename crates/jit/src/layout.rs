@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The memory layout of a running group: masks, cells, constants and temporaries. A cell that may differ from
-//! point to point is a row of sixteen words, another one a single word.
+//! point to point is a row of words, one for each lane, another one a single word.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use crate::term::QuickMap;
@@ -22,7 +22,7 @@ const LARGEST: usize = 256 << 20;
 /// The memory of a group.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
-    /// Points at once: 16, or 1.
+    /// Points at once: 16, 32 or 1.
     pub(crate) lanes: usize,
     cells: Vec<CellAddress>,
     constants: QuickMap<u32, u32>,
@@ -56,7 +56,7 @@ impl Layout {
     pub(crate) fn new(lanes: usize, slots: u32, varying: &[bool], copies: u32) -> Result<Self, String> {
         let up = |x: usize| x.next_multiple_of(64);
         let lane_bits = up(Self::slot(slots) as usize);
-        let scratch = lane_bits + 64;
+        let scratch = lane_bits + up(4 * lanes);
         let spills = scratch + 128;
         let mut at = spills + 64 * SPILLS as usize;
         let mut cells = Vec::with_capacity(varying.len());
@@ -64,13 +64,13 @@ impl Layout {
             if v && lanes > 1 {
                 at = up(at);
                 cells.push(CellAddress::Each(at as u32));
-                at += 64;
+                at += 4 * lanes;
             } else {
                 cells.push(CellAddress::One(at as u32));
                 at += 4;
             }
             if at > LARGEST {
-                return Err(format!("the group needs more than {} MiB for sixteen points", LARGEST >> 20));
+                return Err(format!("the group needs more than {} MiB for {lanes} points", LARGEST >> 20));
             }
         }
         Ok(Self {
@@ -109,12 +109,12 @@ impl Layout {
         let end = self.first_constant as usize / 4 + self.copies as usize * self.list.len();
         // A row may be loaded from the last word.
         let mut cell_values = vec![0_u32; end.next_multiple_of(16) + 16];
-        for i in 0..16 {
+        for i in 0..self.lanes {
             cell_values[self.lane_bits as usize / 4 + i] = 1 << i;
         }
         for (&address, &cell_value) in self.cells.iter().zip(memory) {
             match address {
-                CellAddress::Each(at) => cell_values[at as usize / 4..][..16].fill(cell_value),
+                CellAddress::Each(at) => cell_values[at as usize / 4..][..self.lanes].fill(cell_value),
                 CellAddress::One(at) => cell_values[at as usize / 4] = cell_value,
             }
         }

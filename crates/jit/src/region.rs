@@ -44,6 +44,8 @@ struct Emitter<'a, I> {
     /// See [`Carried::live`]; where that mask is.
     live: Option<u32>,
     exec_mask: Option<u8>,
+    /// The registers of those masks of all parts.
+    taken_masks: u8,
     exec_row: Option<u8>,
 }
 
@@ -73,9 +75,9 @@ pub(crate) struct Carried {
 }
 
 impl Carried {
-    /// The mask's register among those for masks.
-    fn mask<I: Isa>(&self, width: Width) -> Option<u8> {
-        self.live.and_then(|_| I::mask_registers(width).next_back()).map(|k| k as u8)
+    /// The mask's register of a part among those for masks.
+    fn mask<I: Isa>(&self, width: Width, part: usize) -> Option<u8> {
+        self.live.and_then(|_| I::mask_registers(width).nth_back(part)).map(|k| k as u8)
     }
 
     /// The mask's number among carried rows where it is one.
@@ -119,12 +121,12 @@ pub(crate) fn load_carried<I: Isa>(
     width: Width,
     areas: Areas,
 ) {
-    if let Some(k) = carried.mask::<I>(width) {
-        asm.load_mask(k, Layout::EXEC);
-    }
     let parts = layout.lanes.div_ceil(width.lanes());
     for part in 0..parts {
         let lane = (part * width.lanes()) as u32;
+        if let Some(k) = carried.mask::<I>(width, part) {
+            asm.load_exec_mask(k, lane);
+        }
         for (number, &cell) in carried.cells.iter().enumerate() {
             if let CellAddress::Each(at) = layout.address(cell) {
                 asm.load(width, home::<I>(width, (part, parts), number), at + 4 * lane);
@@ -213,7 +215,10 @@ pub(crate) fn region<I: Isa>(
             kept: [None; 8],
             kept_locked: 0,
             live: carried.live,
-            exec_mask: carried.mask::<I>(width),
+            exec_mask: carried.mask::<I>(width, part),
+            taken_masks: (0..parts)
+                .filter_map(|part| carried.mask::<I>(width, part))
+                .fold(0, |bits, k| bits | 1 << k),
             exec_row: row.map(|number| home(part, number)),
         };
         emitter.emit(&live, lane + width.lanes() >= lanes);
@@ -226,7 +231,7 @@ impl<I: Isa> Emitter<'_, I> {
     /// No register is in use but those of carried values.
     fn unlock(&mut self) {
         self.locked = self.taken;
-        self.kept_locked = self.exec_mask.map_or(0, |k| 1 << k);
+        self.kept_locked = self.taken_masks;
     }
 
     fn emit(&mut self, live: &[bool], last: bool) {
@@ -274,7 +279,7 @@ impl<I: Isa> Emitter<'_, I> {
                 if let Some(exec) = exec_mask {
                     self.asm.combine_masks(Binary::And, exec, exec, k);
                 }
-                self.asm.write_mask(k, at);
+                self.asm.write_mask(k, self.lane, at);
             } else {
                 let reg = self.ensure(id);
                 if let Some(exec) = self.exec_row.filter(|_| keeps) {
@@ -440,7 +445,7 @@ impl<I: Isa> Emitter<'_, I> {
         let k = self.take_mask();
         let is_elsewhere = self.register[id as usize] != NONE || self.spilled[id as usize] != NONE;
         if self.region.ops[id as usize] == Op::Exec && !is_elsewhere {
-            self.asm.load_mask(k, Layout::EXEC);
+            self.asm.load_exec_mask(k, self.lane);
         } else {
             let reg = self.ensure(id);
             self.asm.gather_mask(k, reg);

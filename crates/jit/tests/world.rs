@@ -4,8 +4,8 @@
 use gnurt_jit::{Compiled, Lanes};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{
-    ClosureDecl, ClosureParam, Component, DualRow, Event, Given, Host, Machine, Plan, PlanOptions, Point,
-    Points, TextureOptions, lanes_of,
+    ClosureDecl, ClosureParam, Component, DualRow, Event, Given, Host, LANES, Machine, Plan, PlanOptions,
+    Point, Points, TextureOptions, lanes_of,
 };
 use gnurt_sl::group::Group;
 use gnurt_sl::hir::Data;
@@ -224,13 +224,8 @@ fn compare_with(group: &Group, plain: &Arc<Plan>, plan: &Arc<Plan>, first: usize
         .collect();
     let mut left = 0;
     for level in Level::available().into_iter().filter(|&level| Compiled::can(level)) {
-        for scalar in [false, true] {
-            let made = if scalar {
-                Compiled::scalar(plan.clone(), level)
-            } else {
-                Compiled::new(plan.clone(), level)
-            };
-            let code = match made {
+        for make in [Compiled::new, Compiled::scalar, Compiled::pair] {
+            let code = match make(plan.clone(), level) {
                 Ok(code) => code,
                 // A limit of machine code that a random program in twenty thousand meets: it is interpreted.
                 Err(why) if why.to_string().ends_with("values are needed at once") => continue,
@@ -239,7 +234,7 @@ fn compare_with(group: &Group, plain: &Arc<Plan>, plan: &Arc<Plan>, first: usize
             left = code.calls();
             let mut lanes = Lanes::new(&code, &world);
             for (batch, list) in points.chunks(code.lanes()).enumerate() {
-                lanes.run(&rows(list));
+                lanes.run_all(&list.chunks(LANES).map(rows).collect::<Vec<_>>());
                 let events = lanes.take_events();
                 for lane in 0..list.len() {
                     let number = batch * code.lanes() + lane;

@@ -166,6 +166,22 @@ impl Asm {
         }
     }
 
+    /// Sixteen bits of memory to a mask register.
+    pub(crate) fn load_mask(&mut self, k: u8, at: u32) {
+        self.vex(false, Code(0, 1, 0x90), k, 0, Source::Mem(at));
+    }
+
+    /// The bits of `eax` to those of a word of memory from `lane` on, which is cleared with the first; `eax` has all bits
+    /// of the word so far.
+    pub(crate) fn put_bits(&mut self, lane: u32, at: u32) {
+        if lane > 0 {
+            // A word that is stored in parts is read late.
+            self.raw(&[0xc1, 0xe0, lane as u8]); // shl eax, lane
+            self.access(Access::Or, Word::A, at);
+        }
+        self.access(Access::Store, Word::A, at);
+    }
+
     /// A mask register to `eax`.
     pub(crate) fn mask_to_eax(&mut self, k: u8) {
         self.vex(false, Code(0, 1, 0x93), 0, 0, Source::Reg(k));

@@ -198,7 +198,7 @@ impl Isa for Asm {
 
     fn exec(&mut self, width: Width, reg: u8, lane: u32, areas: Areas) {
         if width == Width::Sixteen {
-            self.load_mask(1, Layout::EXEC);
+            self.load_exec_mask(1, lane);
             self.spread_mask(reg, 1);
             return;
         }
@@ -306,13 +306,7 @@ impl Isa for Asm {
 
     fn write_test(&mut self, width: Width, reg: u8, lane: u32, at: u32, _: Areas) {
         self.signs(width, reg);
-        if lane > 0 {
-            // A word that is stored in bytes is read late.
-            self.raw(&[0xc1, 0xe0, 0x08]); // shl eax, 8
-            self.access(Access::OrInto, Word::A, at);
-        } else {
-            self.access(Access::Store, Word::A, at);
-        }
+        self.put_bits(lane, at);
     }
 
     fn spread_mask(&mut self, reg: u8, k: u8) {
@@ -323,8 +317,8 @@ impl Isa for Asm {
         self.evex(Code(2, 2, 0x39), k, 0, Source::Reg(reg), 0);
     }
 
-    fn load_mask(&mut self, k: u8, at: u32) {
-        self.vex(false, Code(0, 1, 0x90), k, 0, Source::Mem(at));
+    fn load_exec_mask(&mut self, k: u8, lane: u32) {
+        self.load_mask(k, Layout::EXEC + lane / 8);
     }
 
     fn compare(&mut self, width: Width, what: Binary, k: u8, a: u8, b: Source) {
@@ -350,9 +344,9 @@ impl Isa for Asm {
         self.blend(to, k, yes, no);
     }
 
-    fn write_mask(&mut self, k: u8, at: u32) {
+    fn write_mask(&mut self, k: u8, lane: u32, at: u32) {
         self.mask_to_eax(k);
-        self.access(Access::Store, Word::A, at);
+        self.put_bits(lane, at);
     }
 }
 

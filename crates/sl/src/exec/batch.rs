@@ -141,6 +141,11 @@ pub trait Program: Send + Sync {
     /// Runs it for the points of a batch. Earlier contents of `out` are lost.
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results);
 
+    /// The same for two batches, which may be run together: the results are those of one after the other.
+    fn run_pair(&self, host: &dyn Host, points: &[Points; 2], out: &mut [Results; 2]) {
+        points.iter().zip(out).for_each(|(points, out)| self.run(host, points, out));
+    }
+
     /// The retained outputs.
     fn retained(&self) -> &[RetainedOutput];
 

@@ -11,11 +11,11 @@ pub trait Batch {
     /// Points at once, at most.
     fn lanes(&self) -> usize;
 
-    /// Runs the group for some points.
-    fn run(&mut self, points: &Points);
+    /// Runs the group for some points, in batches of sixteen or fewer.
+    fn run(&mut self, points: &[Points]);
 
     /// Readies for some points; layers are then run one by one.
-    fn begin(&mut self, points: &Points);
+    fn begin(&mut self, points: &[Points]);
 
     /// Runs a layer for all points that have not run it.
     fn layer(&mut self, layer: usize);

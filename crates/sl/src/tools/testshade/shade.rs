@@ -5,7 +5,7 @@
 use super::options::{Options, Setup};
 use super::report::{Recent, report};
 use super::world::World;
-use crate::exec::{Event, Machine, Plan, PlanOptions, Points};
+use crate::exec::{Event, LANES, Machine, Plan, PlanOptions, Points};
 use crate::format::general;
 use crate::group::Group;
 use crate::hir::Data;
@@ -269,16 +269,19 @@ impl Run<'_> {
     fn batches(&mut self, batch: &mut dyn Batch, messages: &mut Vec<Event>, console: &mut Console<'_>) {
         let [width, height] = self.options.size;
         let all: Vec<[usize; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-        let mut points = Points::default();
+        let mut points = vec![Points::default(); batch.lanes().div_ceil(LANES)];
         for point_indices in all.chunks(batch.lanes()) {
-            points.count = point_indices.len();
-            for (lane, &[x, y]) in point_indices.iter().enumerate() {
-                points.set(lane, &self.world.point(self.options, x, y));
+            for (points, point_indices) in points.iter_mut().zip(point_indices.chunks(LANES)) {
+                points.count = point_indices.len();
+                for (lane, &[x, y]) in point_indices.iter().enumerate() {
+                    points.set(lane, &self.world.point(self.options, x, y));
+                }
             }
+            let points = &points[..point_indices.len().div_ceil(LANES)];
             if self.entries.is_empty() {
-                batch.run(&points);
+                batch.run(points);
             } else {
-                batch.begin(&points);
+                batch.begin(points);
                 for &layer in self.entries {
                     batch.layer(layer);
                 }
