@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex};
 use crate::control::{self, Code};
 use crate::ffi_call::{Line, cell_values};
 use crate::ffi_memory::Executable;
+use crate::inputs::{self, Input};
 use crate::isa::Isa;
 use crate::layout::{CellAddress, Layout};
 use crate::program::Program;
@@ -44,8 +45,8 @@ pub struct Compiled {
     pub(crate) template: Vec<Line>,
     /// Ranges of it that a batch changes and the next one needs unchanged: start and length in lines.
     pub(crate) resets: Vec<(usize, usize)>,
-    /// Used and retained globals: name and slot.
-    pub(crate) globals: Vec<(Arc<str>, Slot)>,
+    /// Numbers of points that it reads, or returns as they are.
+    pub(crate) inputs: Vec<Input>,
     /// Memories that no batch uses now.
     pub(crate) memories: Mutex<Vec<Vec<Line>>>,
     /// The retained outputs of each point, and their slots.
@@ -116,25 +117,30 @@ impl Compiled {
             level,
             template,
             resets: Vec::new(),
-            globals: Vec::new(),
+            inputs: Vec::new(),
             memories: Mutex::default(),
             retained: Vec::new(),
             size: made.bytes.len(),
             plan,
         };
         this.find_resets();
-        // Those that no operation reads or writes may be results.
-        let is_retained = |name: &str| this.plan.retained().iter().any(|retained| retained.name == name);
-        let used = |(name, slot): &(&Arc<str>, &Slot)| {
-            this.program.touched.contains_key(&slot.at) || is_retained(name)
-        };
-        let mut globals: Vec<(Arc<str>, Slot)> =
-            this.plan.globals.iter().filter(used).map(|(n, s)| (n.clone(), *s)).collect();
-        globals.sort_by_key(|(_, slot)| slot.at);
-        this.globals = globals;
         let retained = this.plan.retained().iter();
         this.retained = retained.filter_map(|k| Some((k.clone(), this.plan.place_of(&k.name)?))).collect();
+        this.find_inputs();
         Ok(this)
+    }
+
+    fn find_inputs(&mut self) {
+        let mut reads = inputs::reads(&self.program);
+        let is_written = |slot: &Slot| self.program.touched.get(&slot.at).is_some_and(|&written| written);
+        let all = |slot: &Slot| slot.at..slot.at + slot.cells() as u32;
+        // Lanes that do not run keep the rest of what is written, and what no operation reads may be a result.
+        self.plan.globals.values().filter(|slot| is_written(slot)).for_each(|slot| reads.extend(all(slot)));
+        self.retained.iter().for_each(|(_, slot)| reads.extend(all(slot)));
+        let mut globals: Vec<(&Arc<str>, &Slot)> = self.plan.globals.iter().collect();
+        globals.sort_by_key(|(_, slot)| slot.at);
+        let of = |(name, slot): (&Arc<str>, &Slot)| Input::of_global(name, slot, &self.layout, &reads);
+        self.inputs = globals.into_iter().flat_map(of).collect();
     }
 
     fn find_resets(&mut self) {

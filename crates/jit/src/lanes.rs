@@ -5,8 +5,8 @@
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
-    Batch as RunningBatch, Cells, Component, DualRow, Event, Host, LANES, Machine, Message, Plan, Point,
-    Points, Program, Results, RetainedOutput, Row, Slot, Step, lanes_of,
+    Batch as RunningBatch, Cells, Component, Event, Host, LANES, Machine, Message, Plan, Point, Points,
+    Program, Results, RetainedOutput, Slot, Step, lanes_of,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::opcode::Opcode;
@@ -14,6 +14,7 @@ use gnurt_sl::types::{Base, Type};
 
 use crate::compiled::Compiled;
 use crate::ffi_call::{Calls, Line, cell_values, enter};
+use crate::inputs;
 use crate::layout::{CellAddress, Layout};
 use crate::program::{Call, Making};
 
@@ -121,20 +122,8 @@ impl<'a> Lanes<'a> {
                 work.start();
             }
         }
-        for (name, slot) in &code.globals {
-            for (work, points) in self.works.iter().zip(points) {
-                global(name, slot, points, |cell, row| match code.layout.address(cell) {
-                    CellAddress::Each(at) => {
-                        let at = at as usize / 4 + work.first;
-                        if let Some(cell_values) = memory[at..].first_chunk_mut::<LANES>() {
-                            for i in 0..LANES {
-                                cell_values[i] = row[i].to_bits();
-                            }
-                        }
-                    }
-                    CellAddress::One(at) => memory[at as usize / 4] = row[0].to_bits(),
-                });
-            }
+        for (work, points) in self.works.iter().zip(points) {
+            inputs::write(code.level, &code.inputs, points, memory, work.first);
         }
     }
 
@@ -170,7 +159,7 @@ impl<'a> Lanes<'a> {
         &self.works[lane / LANES]
     }
 
-    /// The value and type of a layer's output, or of `Ci` and other globals, for a point.
+    /// The value and type of a layer's output, or of `Ci` and other globals that it writes, for a point.
     #[must_use]
     pub fn output(&self, lane: usize, layer: Option<usize>, name: &str) -> Option<(Type, Data)> {
         let plan = &self.code.plan;
@@ -271,45 +260,6 @@ impl RunningBatch for Held<'_> {
                     *to = if lanes >> lane & 1 != 0 { bits } else { *to };
                 }
             }
-        }
-    }
-}
-
-/// The rows of a global, each with its cell.
-fn global(name: &str, slot: &Slot, points: &Points, mut put: impl FnMut(u32, &Row)) {
-    const ZEROS: Row = [0.0; 16];
-    let mut dual = |i: u32, row: &DualRow| {
-        for (k, part) in [&row.value, &row.dx, &row.dy].into_iter().enumerate() {
-            put(slot.at + k as u32 * slot.size + i, part);
-        }
-    };
-    let duals: &[DualRow] = match name {
-        "P" => &points.p,
-        "I" => &points.i,
-        "Ps" => &points.ps,
-        "u" => std::slice::from_ref(&points.u),
-        "v" => std::slice::from_ref(&points.v),
-        _ => &[],
-    };
-    for (i, row) in duals.iter().enumerate() {
-        dual(i as u32, row);
-    }
-    let rows: &[Row] = match name {
-        "N" => &points.n,
-        "Ng" => &points.ng,
-        "dPdu" => &points.dpdu,
-        "dPdv" => &points.dpdv,
-        "dPdtime" => &points.dpdtime,
-        "time" => std::slice::from_ref(&points.time),
-        "dtime" => std::slice::from_ref(&points.dtime),
-        "xi" => &points.xi,
-        "raster" => &points.raster,
-        _ => &[],
-    };
-    for (i, row) in rows.iter().enumerate() {
-        put(slot.at + i as u32, row);
-        for k in 1..if slot.derivs { 3 } else { 1 } {
-            put(slot.at + k * slot.size + i as u32, &ZEROS);
         }
     }
 }

@@ -24,6 +24,7 @@ mod engine;
 mod ffi_call;
 mod ffi_memory;
 mod fingerprint;
+mod inputs;
 mod isa;
 mod lanes;
 mod layout;

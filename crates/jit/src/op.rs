@@ -225,6 +225,15 @@ pub(crate) struct Region {
 }
 
 impl Region {
+    /// The cells that it reads.
+    pub(crate) fn reads(&self) -> impl Iterator<Item = u32> {
+        let live = self.live();
+        self.ops.iter().zip(live).filter_map(|(op, live)| match op {
+            Op::Cell(cell) if live => Some(*cell),
+            _ => None,
+        })
+    }
+
     /// Which values are needed.
     pub(crate) fn live(&self) -> Vec<bool> {
         let mut live = vec![false; self.ops.len()];
