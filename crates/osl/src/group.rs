@@ -169,12 +169,21 @@ impl ShaderGroup {
     pub fn run(&self, host: &dyn Host, points: &[Point]) -> Shaded {
         let world = World { host, live: &self.live };
         let mut shaded = Shaded::new(self.plan.retained(), points.len());
-        let (mut batch, mut results) = (Points::default(), Results::default());
-        for (number, some) in points.chunks(LANES).enumerate() {
-            batch.count = some.len();
-            some.iter().enumerate().for_each(|(lane, point)| batch.set(lane, point));
-            self.engine.program().run(&world, &batch, &mut results);
-            shaded.add(number * LANES, some.len(), &results, world.closures(), &self.plan);
+        let (mut batches, mut results) = (<[Points; 2]>::default(), <[Results; 2]>::default());
+        for (number, some) in points.chunks(2 * LANES).enumerate() {
+            for (batch, some) in batches.iter_mut().zip(some.chunks(LANES)) {
+                batch.count = some.len();
+                some.iter().enumerate().for_each(|(lane, point)| batch.set(lane, point));
+            }
+            let program = self.engine.program();
+            if some.len() > LANES {
+                program.run_pair(&world, &batches, &mut results);
+            } else {
+                program.run(&world, &batches[0], &mut results[0]);
+            }
+            for (k, (some, results)) in some.chunks(LANES).zip(&results).enumerate() {
+                shaded.add((2 * number + k) * LANES, some.len(), results, world.closures(), &self.plan);
+            }
         }
         shaded
     }

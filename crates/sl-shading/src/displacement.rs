@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use gnurt_shading::{AttributeRequest, DisplacementShader, SurfaceBatch, Vec3s};
-use gnurt_sl::exec::LANES;
+use gnurt_sl::exec::Points;
 use gnurt_sl::hir::Data;
 use gnurt_sl::ir::{Block, Node, Op, Shader, SymId, Symbol, SymbolKind, ops};
 use gnurt_sl::opcode::Opcode;
@@ -18,7 +18,7 @@ use gnurt_sl::passes::mark_derivatives;
 use gnurt_sl::types::Type;
 
 use crate::surface_state::{Caller, points};
-use crate::world::{Common, World, vector};
+use crate::world::{Common, Ran, World, vector};
 
 /// The global that displacement shaders change.
 pub(crate) const POSITION: &str = "P";
@@ -46,15 +46,12 @@ impl DisplacementShader for ScriptDisplacement {
         let common = &self.common;
         let Some(row) = common.row(self.value) else { return };
         let world = World::around(common, hits, None);
-        common.with_scratch(|scratch| {
-            for first in (0..hits.len()).step_by(LANES) {
-                points(hits, first, Caller::Vertices, common.needs, &mut scratch.points);
-                common.run(&world, &scratch.points, &mut scratch.results);
-                for lane in 0..LANES.min(hits.len() - first) {
-                    let value = vector(&scratch.results, row, lane);
-                    let start = if self.value == POSITION { hits.p.get(first + lane) } else { Vec3::ZERO };
-                    out.set(first + lane, value - start);
-                }
+        let fill = |first: usize, to: &mut Points| points(hits, first, Caller::Vertices, common.needs, to);
+        common.run_all(&world, hits.len(), fill, |Ran { first, points, results, .. }| {
+            for lane in 0..points.count {
+                let value = vector(results, row, lane);
+                let start = if self.value == POSITION { hits.p.get(first + lane) } else { Vec3::ZERO };
+                out.set(first + lane, value - start);
             }
         });
     }

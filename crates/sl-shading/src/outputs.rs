@@ -10,14 +10,14 @@ use std::sync::OnceLock;
 use glam::Vec3;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{ColorMap, OutputKind, ShaderOutput, SurfaceBatch, Vec3s};
-use gnurt_sl::exec::LANES;
+use gnurt_sl::exec::{LANES, Points};
 use gnurt_sl::group::Group;
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::{Base, Type};
 
 use crate::parts::Flattened;
 use crate::surface_state::{Caller, points};
-use crate::world::{Common, World, vector};
+use crate::world::{Common, Ran, World, vector};
 
 type Make = dyn Fn(&Wanted) -> Option<Made> + Send + Sync;
 
@@ -117,25 +117,20 @@ impl Outputs {
         let world = World::around(common, hits, None);
         let mut closures = ClosureBatch::default();
         closures.reset(LANES);
-        common.with_scratch(|scratch| {
-            for first in (0..hits.len()).step_by(LANES) {
-                points(hits, first, Caller::Rays, common.needs, &mut scratch.points);
-                common.run(&world, &scratch.points, &mut scratch.results);
-                let tagged = made.tag.map(|tag| {
-                    let to = (&mut closures, 0);
-                    let (points, results) = (&scratch.points, &scratch.results);
-                    let how = (Some(tag), ColorMap::default());
-                    Flattened::flatten_tagged(points, results, to, &mut scratch.open, how).lights.debug
-                });
-                for lane in 0..LANES.min(hits.len() - first) {
-                    let value = match row {
-                        None => Vec3::ZERO,
-                        Some(row) if is_number => Vec3::splat(scratch.results.rows[row][lane]),
-                        Some(row) => vector(&scratch.results, row, lane),
-                    };
-                    let value = value + tagged.map_or(Vec3::ZERO, |tagged| tagged.get(lane));
-                    out.set(first + lane, if is_color { common.map.of(value) } else { value });
-                }
+        let fill = |first: usize, to: &mut Points| points(hits, first, Caller::Rays, common.needs, to);
+        common.run_all(&world, hits.len(), fill, |Ran { first, points, results, open }| {
+            let tagged = made.tag.map(|tag| {
+                let how = (Some(tag), ColorMap::default());
+                Flattened::flatten_tagged(points, results, (&mut closures, 0), open, how).lights.debug
+            });
+            for lane in 0..points.count {
+                let value = match row {
+                    None => Vec3::ZERO,
+                    Some(row) if is_number => Vec3::splat(results.rows[row][lane]),
+                    Some(row) => vector(results, row, lane),
+                };
+                let value = value + tagged.map_or(Vec3::ZERO, |tagged| tagged.get(lane));
+                out.set(first + lane, if is_color { common.map.of(value) } else { value });
             }
         });
     }

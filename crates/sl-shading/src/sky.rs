@@ -6,11 +6,11 @@
 use glam::Vec3;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{EnvironmentShader, Vec3s};
-use gnurt_sl::exec::{LANES, Point};
+use gnurt_sl::exec::{LANES, Point, Points};
 use gnurt_sl_lib::Dual;
 
 use crate::parts::Flattened;
-use crate::world::{Common, World};
+use crate::world::{Common, Ran, World};
 
 /// A sky.
 pub(crate) struct ScriptSky {
@@ -24,36 +24,28 @@ impl EnvironmentShader for ScriptSky {
         let world = World::empty(&self.common);
         let mut lobes = ClosureBatch::default();
         lobes.reset(LANES);
-        self.common.with_scratch(|scratch| {
-            for first in (0..dir.len()).step_by(LANES) {
-                let points = &mut scratch.points;
-                points.count = LANES.min(dir.len() - first);
-                for lane in 0..points.count {
-                    let d = dir.get(first + lane);
-                    let back = (-d).to_array();
-                    let point = Point {
-                        p: Dual::from(d.to_array()),
-                        i: Dual::from(d.to_array()),
-                        n: back,
-                        ng: back,
-                        ray_kinds: self.ray_kinds,
-                        index: (first + lane) as i32,
-                        ..Point::default()
-                    };
-                    points.set(lane, &point);
-                }
-                self.common.run(&world, points, &mut scratch.results);
-                let incoming = Flattened::flatten_lists(
-                    points,
-                    &scratch.results,
-                    (&mut lobes, 0),
-                    &mut scratch.open,
-                    self.common.map,
-                );
-                for lane in 0..points.count {
-                    let light = incoming.lights.emission.get(lane) + incoming.lights.radiance.get(lane);
-                    out.set(first + lane, if light.is_finite() { light } else { Vec3::ZERO });
-                }
+        let fill = |first: usize, points: &mut Points| {
+            points.count = LANES.min(dir.len() - first);
+            for lane in 0..points.count {
+                let d = dir.get(first + lane);
+                let back = (-d).to_array();
+                let point = Point {
+                    p: Dual::from(d.to_array()),
+                    i: Dual::from(d.to_array()),
+                    n: back,
+                    ng: back,
+                    ray_kinds: self.ray_kinds,
+                    index: (first + lane) as i32,
+                    ..Point::default()
+                };
+                points.set(lane, &point);
+            }
+        };
+        self.common.run_all(&world, dir.len(), fill, |Ran { first, points, results, open }| {
+            let incoming = Flattened::flatten_lists(points, results, (&mut lobes, 0), open, self.common.map);
+            for lane in 0..points.count {
+                let light = incoming.lights.emission.get(lane) + incoming.lights.radiance.get(lane);
+                out.set(first + lane, if light.is_finite() { light } else { Vec3::ZERO });
             }
         });
     }

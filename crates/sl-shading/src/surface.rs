@@ -21,7 +21,7 @@ use crate::outputs::Outputs;
 use crate::parts::{Flattened, Lights, column};
 use crate::properties::Properties;
 use crate::surface_state::{Caller, points};
-use crate::world::{Common, World};
+use crate::world::{Common, Ran, World};
 
 /// A surface.
 pub(crate) struct ScriptSurface {
@@ -33,7 +33,7 @@ pub(crate) struct ScriptSurface {
 }
 
 impl ScriptSurface {
-    /// Runs it for all points, sixteen at a time; `with(the first one, what they do to light)`. Lobes are written to `out`, to the
+    /// Runs it for all points; for sixteen at a time, `with(the first one, what they do to light)`. Lobes are written to `out`, to the
     /// points from 0 on if it is for sixteen only.
     fn each(
         &self,
@@ -43,27 +43,18 @@ impl ScriptSurface {
         mut with: impl FnMut(usize, Flattened),
     ) {
         let is_whole = out.len() == hits.len();
-        self.common.with_scratch(|scratch| {
-            for first in (0..hits.len()).step_by(LANES) {
-                points(hits, first, caller, self.common.needs, &mut scratch.points);
-                self.common.run(world, &scratch.points, &mut scratch.results);
-                let to = (&mut *out, if is_whole { first } else { 0 });
-                let flattened = Flattened::flatten_lists(
-                    &scratch.points,
-                    &scratch.results,
-                    to,
-                    &mut scratch.open,
-                    self.common.map,
-                );
-                if flattened.is_cut() {
-                    self.common.faults.note(&format!(
-                        "{}: a point has more than {} lobes; the last ones are left out",
-                        self.common.name,
-                        gnurt_shading::bsdf::MOST
-                    ));
-                }
-                with(first, flattened);
+        let fill = |first: usize, to: &mut Points| points(hits, first, caller, self.common.needs, to);
+        self.common.run_all(world, hits.len(), fill, |Ran { first, points, results, open }| {
+            let to = (&mut *out, if is_whole { first } else { 0 });
+            let flattened = Flattened::flatten_lists(points, results, to, open, self.common.map);
+            if flattened.is_cut() {
+                self.common.faults.note(&format!(
+                    "{}: a point has more than {} lobes; the last ones are left out",
+                    self.common.name,
+                    gnurt_shading::bsdf::MOST
+                ));
             }
+            with(first, flattened);
         });
     }
 

@@ -57,16 +57,26 @@ pub(crate) struct Common {
     pub(crate) needs: Needs,
     /// Its properties.
     pub(crate) properties: Properties,
-    #[expect(clippy::vec_box, reason = "four kilobytes would be moved in and out for each batch")]
+    #[expect(clippy::vec_box, reason = "eight kilobytes would be moved in and out for each batch")]
     pub(crate) scratch: Mutex<Vec<Box<Scratch>>>,
 }
 
-/// Memory that batches of points are shaded in.
+/// Memory that batches of points are shaded in, two at once.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    pub(crate) points: Points,
-    pub(crate) results: Results,
-    pub(crate) open: Vec<Open>,
+    points: [Points; 2],
+    results: [Results; 2],
+    open: Vec<Open>,
+}
+
+/// A batch that has been run.
+pub(crate) struct Ran<'s> {
+    /// The index of its first point.
+    pub(crate) first: usize,
+    pub(crate) points: &'s Points,
+    pub(crate) results: &'s Results,
+    /// Memory to visit closures in.
+    pub(crate) open: &'s mut Vec<Open>,
 }
 
 impl Common {
@@ -81,7 +91,7 @@ impl Common {
     }
 
     /// Lends unused memory. Its former contents belong to the same shader.
-    pub(crate) fn with_scratch(&self, with: impl FnOnce(&mut Scratch)) {
+    fn with_scratch(&self, with: impl FnOnce(&mut Scratch)) {
         let retained = self.scratch.lock().ok().and_then(|mut list| list.pop());
         let mut scratch = retained.unwrap_or_default();
         with(&mut scratch);
@@ -93,9 +103,42 @@ impl Common {
     /// Runs the shader, and forwards its output.
     pub(crate) fn run(&self, world: &World, points: &Points, results: &mut Results) {
         self.program.run(world, points, results);
+        self.forward(results);
+    }
+
+    fn forward(&self, results: &Results) {
         for (_, event) in &results.events {
             self.faults.note_event(&self.name, event);
         }
+    }
+
+    /// Runs the shader for this many points, in batches of sixteen, two of them at once where there are as many:
+    /// `fill(first, points)` writes the points of a batch, and `with` takes what has become of them, in order.
+    pub(crate) fn run_all(
+        &self,
+        world: &World,
+        count: usize,
+        mut fill: impl FnMut(usize, &mut Points),
+        mut with: impl FnMut(Ran<'_>),
+    ) {
+        self.with_scratch(|Scratch { points, results, open }| {
+            for first in (0..count).step_by(2 * LANES) {
+                let batches = (count - first).div_ceil(LANES).min(2);
+                let firsts = [first, first + LANES];
+                for (points, first) in points.iter_mut().zip(firsts).take(batches) {
+                    fill(first, points);
+                }
+                if batches == 2 {
+                    self.program.run_pair(world, points, results);
+                } else {
+                    self.program.run(world, &points[0], &mut results[0]);
+                }
+                for ((points, results), first) in points.iter().zip(&*results).zip(firsts).take(batches) {
+                    self.forward(results);
+                    with(Ran { first, points, results, open });
+                }
+            }
+        });
     }
 }
 
