@@ -186,6 +186,12 @@ impl Job {
         self.slot.one.get().is_some()
     }
 
+    /// Whether code for two batches at once was made, or there is none: it is asked for when some pairs have come.
+    #[must_use]
+    pub fn is_pair_ready(&self) -> bool {
+        self.slot.pair.get().is_some()
+    }
+
     /// Waits until there is code.
     ///
     /// # Errors

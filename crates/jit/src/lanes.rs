@@ -256,6 +256,10 @@ impl RunningBatch for Held<'_> {
             }
             CellAddress::Each(at) => {
                 let row = &mut self.memory[at as usize / 4 + self.place.first..][..LANES];
+                if lanes == 0xffff {
+                    row.copy_from_slice(cell_values);
+                    return;
+                }
                 for (lane, (to, &bits)) in row.iter_mut().zip(cell_values).enumerate() {
                     *to = if lanes >> lane & 1 != 0 { bits } else { *to };
                 }

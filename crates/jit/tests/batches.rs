@@ -42,20 +42,59 @@ fn a_batch_by_code_is_a_batch_by_the_interpreter() {
         assert_eq!(cut(&found), cut(&expected), "{count} points");
         assert_eq!(found.events, expected.events, "what is said");
         for lane in 0..count {
-            let components = |r: &Results| {
-                let parts = r.closures.parts(r.ci[lane], lane).into_iter();
-                let numbers =
-                    parts.map(|(w, part)| (w, part.kind, [0, 1, 2].map(|i| part.cells(i).at(lane))));
-                numbers.collect::<Vec<_>>()
-            };
-            assert_eq!(components(&found), components(&expected), "point {lane}");
+            assert_eq!(parts_of(&found, lane), parts_of(&expected, lane), "point {lane}");
             assert_eq!(
-                components(&found).len(),
+                parts_of(&found, lane).len(),
                 usize::from(lane > 0),
                 "a closure at point {lane}, where u is not 0"
             );
         }
     }
+}
+
+/// The numbers of a point's closures, which are the same in every engine.
+fn parts_of(results: &Results, lane: usize) -> Vec<([f32; 3], u32, [u32; 3])> {
+    let parts = results.closures.parts(results.ci[lane], lane).into_iter();
+    parts.map(|(w, part)| (w, part.kind, [0, 1, 2].map(|i| part.cells(i).at(lane)))).collect()
+}
+
+#[test]
+fn two_batches_at_once_are_two_batches() {
+    let level = Level::best();
+    if !has_code() {
+        return;
+    }
+    let (cache, world) = (Cache::default(), World::default());
+    let (interpreted, job) = (plan(), cache.start(plan(), level));
+    let code = Compiled::pair(plan(), level).expect("code");
+    job.wait().expect("code");
+    let all = points(32);
+    let (mut expected, mut found) = (<[Results; 2]>::default(), <[Results; 2]>::default());
+    // The job gets code for pairs in the middle of it.
+    for turn in 0..200 {
+        let second = [16, 3, 0, 9][turn % 4];
+        let batches = [rows(&all[..16]), rows(&all[16..16 + second])];
+        interpreted.run_pair(&world, &batches, &mut expected);
+        let programs: [&dyn Program; 2] = [&job, &code];
+        for program in programs {
+            program.run_pair(&world, &batches, &mut found);
+            for (half, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let count = batches[half].count;
+                let how = format!("turn {turn}, batch {half}");
+                let cut = |r: &Results| r.rows.iter().map(|row| row[..count].to_vec()).collect::<Vec<_>>();
+                assert_eq!(cut(found), cut(expected), "{how}");
+                assert_eq!(found.events, expected.events, "{how}: what is said");
+                for lane in 0..count {
+                    assert_eq!(parts_of(found, lane), parts_of(expected, lane), "{how}, point {lane}");
+                }
+            }
+        }
+        if turn > 20 && !job.is_pair_ready() && Compiled::pairs_pay(level) {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+    }
+    assert_eq!(job.is_pair_ready(), Compiled::pairs_pay(level), "code for pairs");
+    assert!(parts_of(&expected[0], 3).len() == 1, "there are closures");
 }
 
 #[test]

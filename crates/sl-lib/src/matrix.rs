@@ -45,6 +45,15 @@ pub fn transpose<R: Real>(m: &[[R; 4]; 4]) -> [[R; 4]; 4] {
     [0, 1, 2, 3].map(|i: usize| [0, 1, 2, 3].map(|k: usize| m[k][i]))
 }
 
+/// A matrix of numbers that are made of those of another. Loops, because `map` in `map` is called number by number.
+fn each<T: Copy, U: Copy + Default>(m: &[[T; 4]; 4], f: impl Fn(T) -> U) -> [[U; 4]; 4] {
+    let mut out = [[U::default(); 4]; 4];
+    for (to, from) in out.iter_mut().flatten().zip(m.iter().flatten()) {
+        *to = f(*from);
+    }
+    out
+}
+
 /// The determinants of 2 x 2 parts of two rows: of columns 01, 02, 03, 12, 13, 23.
 fn minors(a: [f32; 4], b: [f32; 4]) -> [f64; 6] {
     let of = |i: usize, k: usize| f64::from(a[i]) * f64::from(b[k]) - f64::from(a[k]) * f64::from(b[i]);
@@ -66,7 +75,7 @@ pub fn determinant(m: &Matrix) -> f32 {
 pub fn inverse(m: &Matrix) -> Matrix {
     let (s, c) = (minors(m[0], m[1]), minors(m[2], m[3]));
     let factor = determinant_of(s, c).recip();
-    let [a, b, d, e] = m.map(|row| row.map(f64::from));
+    let [a, b, d, e] = each(m, f64::from);
     let rows = [
         [
             b[1] * c[5] - b[2] * c[4] + b[3] * c[3],
@@ -93,7 +102,7 @@ pub fn inverse(m: &Matrix) -> Matrix {
             d[0] * s[3] - d[1] * s[1] + d[2] * s[0],
         ],
     ];
-    let inverse: Matrix = rows.map(|row| row.map(|x| (x * factor) as f32));
+    let inverse: Matrix = each(&rows, |x| (x * factor) as f32);
     if inverse.iter().flatten().all(|x| x.is_finite()) { inverse } else { IDENTITY }
 }
 

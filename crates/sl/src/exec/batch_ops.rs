@@ -86,23 +86,21 @@ impl Machine<'_> {
                 let Some(matrix) = self.same_matrix(spaces, lanes, points, batch, false) else {
                     return false;
                 };
-                each_triple(batch, lanes, (out, value), |_, v| match code {
-                    Opcode::TransformV => mx::transform_vector(&matrix, v),
-                    Opcode::TransformN => mx::transform_normal(&matrix, v),
-                    _ => mx::transform_point(&matrix, v),
-                });
+                let kind = match code {
+                    Opcode::TransformV => Type::VECTOR,
+                    Opcode::TransformN => Type::NORMAL,
+                    _ => Type::POINT,
+                };
+                let all = rows::triple(batch, |i| (value, i as u32));
+                put_transformed(batch, lanes, (out, all), &matrix, kind);
             }
             (Opcode::Point | Opcode::Vector | Opcode::Normal, [out, space, numbers @ ..]) => {
                 let Some(matrix) = self.same_matrix(std::slice::from_ref(space), lanes, points, batch, true)
                 else {
                     return false;
                 };
-                let all = [0, 1, 2].map(|i: usize| rows::dual(batch, &numbers[i.min(numbers.len() - 1)], 0));
-                put_triples(batch, lanes, (out, all), |_, v| match out.ty {
-                    Type::POINT => mx::transform_point(&matrix, v),
-                    Type::NORMAL => mx::transform_normal(&matrix, v),
-                    _ => mx::transform_vector(&matrix, v),
-                });
+                let all = rows::triple(batch, |i| (&numbers[i.min(numbers.len() - 1)], 0));
+                put_transformed(batch, lanes, (out, all), &matrix, out.ty);
             }
             (code @ (Opcode::Blackbody | Opcode::WavelengthColor), [out, value]) => {
                 let colors = self.host.color_system();
@@ -162,7 +160,7 @@ fn each_triple(
     (out, value): (&Slot, &Slot),
     f: impl FnMut(usize, [Dual<f32>; 3]) -> [Dual<f32>; 3],
 ) {
-    let all = [0, 1, 2].map(|i| rows::dual(batch, value, i));
+    let all = rows::triple(batch, |i| (value, i as u32));
     put_triples(batch, lanes, (out, all), f);
 }
 
@@ -183,6 +181,57 @@ fn put_triples(
     for (i, row) in all.iter().enumerate() {
         rows::put(batch, lanes, (out, i as u32), row);
     }
+}
+
+/// Points, vectors or normals in another space. All lanes are done, which compilers make vectors of.
+fn put_transformed(
+    batch: &mut dyn Batch,
+    lanes: u32,
+    (out, all): (&Slot, [DualRow; 3]),
+    matrix: &mx::Matrix,
+    kind: Type,
+) {
+    let found = match kind {
+        Type::POINT => transformed(&all, out.derivs, matrix, mx::transform_point, mx::transform_point),
+        // The matrix of normals is the same for all.
+        Type::NORMAL => transformed(
+            &all,
+            out.derivs,
+            &mx::transpose(&mx::inverse(matrix)),
+            mx::transform_vector,
+            mx::transform_vector,
+        ),
+        _ => transformed(&all, out.derivs, matrix, mx::transform_vector, mx::transform_vector),
+    };
+    for (i, row) in found.iter().enumerate() {
+        rows::put(batch, lanes, (out, i as u32), row);
+    }
+}
+
+#[inline(always)]
+fn transformed(
+    [x, y, z]: &[DualRow; 3],
+    has_changes: bool,
+    matrix: &mx::Matrix,
+    dual: impl Fn(&mx::Matrix, [Dual<f32>; 3]) -> [Dual<f32>; 3],
+    plain: impl Fn(&mx::Matrix, [f32; 3]) -> [f32; 3],
+) -> [DualRow; 3] {
+    let mut out = <[DualRow; 3]>::default();
+    let [to_x, to_y, to_z] = &mut out;
+    if has_changes {
+        for lane in 0..LANES {
+            let [a, b, c] = dual(matrix, [x.get(lane), y.get(lane), z.get(lane)]);
+            to_x.set(lane, a);
+            to_y.set(lane, b);
+            to_z.set(lane, c);
+        }
+    } else {
+        for lane in 0..LANES {
+            let [a, b, c] = plain(matrix, [x.value[lane], y.value[lane], z.value[lane]]);
+            (to_x.value[lane], to_y.value[lane], to_z.value[lane]) = (a, b, c);
+        }
+    }
+    out
 }
 
 fn put_bits(batch: &mut dyn Batch, out: &Slot, lanes: u32, is: [bool; LANES]) {

@@ -58,6 +58,14 @@ impl Cells<'_> {
     }
 }
 
+/// A number of each point of another. A loop, because compilers make vectors of those, but not always of `map`.
+#[inline(always)]
+pub(super) fn mapped<T: Copy, U: Copy + Default>(row: &[T; LANES], f: impl Fn(T) -> U) -> [U; LANES] {
+    let mut out = [U::default(); LANES];
+    out.iter_mut().zip(row).for_each(|(out, &x)| *out = f(x));
+    out
+}
+
 /// Where the values of a batch are.
 pub trait Batch {
     /// The contents of a cell.

@@ -195,6 +195,7 @@ impl Bound {
 
     /// Makes it; its number.
     fn make<'c>(&self, closures: &mut Closures, read: &impl Fn(u32) -> Cells<'c>) -> u32 {
+        closures.reserve(self.numbers.len());
         let first = closures.next();
         let mut buffer = [0; LANES];
         for number in &self.numbers {

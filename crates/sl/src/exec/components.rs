@@ -4,7 +4,7 @@
 //! memory, each either once for all points of the node, or in a row. For other points they are undefined.
 //! Invariant: nodes refer only to earlier nodes. Tests: `tests/meaning/more.rs`.
 
-use super::cells::{Cells, LANES, lanes_of};
+use super::cells::{Cells, LANES, mapped};
 use crate::hir::Data;
 use crate::types::Type;
 use std::sync::Arc;
@@ -145,6 +145,12 @@ impl Closures {
         }
     }
 
+    /// Makes room for the numbers of a node.
+    pub(super) fn reserve(&mut self, numbers: usize) {
+        self.component_indices.reserve(numbers);
+        self.cells_bits.reserve(LANES * numbers);
+    }
+
     /// How many numbers there are: the first of the node that comes next.
     pub(super) fn next(&self) -> u32 {
         self.component_indices.len() as u32
@@ -177,58 +183,64 @@ impl Closures {
 
     /// The sum of two closures of each of some points.
     pub(super) fn sum(&mut self, lanes: u32, a: Cells, b: Cells) -> [u32; LANES] {
+        let (left, right) = (self.all_made(a), self.all_made(b));
         let mut out = [0; LANES];
-        let mut both = 0;
-        for lane in lanes_of(lanes) {
-            let (left, right) = (self.made(a.at(lane)), self.made(b.at(lane)));
+        let mut is_both = [false; LANES];
+        for lane in 0..LANES {
+            let (left, right) = (left[lane], right[lane]);
             out[lane] = if left == 0 { right } else { left };
-            both |= u32::from(left != 0 && right != 0) << lane;
+            is_both[lane] = left != 0 && right != 0;
         }
+        let both = lanes & bits(is_both);
         if both != 0 {
             let first = self.next();
             self.put(shared(a, both));
             self.put(shared(b, both));
-            let number = self.add(What::Add, first);
-            lanes_of(both).for_each(|lane| out[lane] = number);
+            set(&mut out, is_both, self.add(What::Add, first));
         }
         out
     }
 
     /// A closure times a colour (floats' bits) of each of some points.
     pub(super) fn times(&mut self, lanes: u32, weight: [Cells; 3], inner: Cells) -> [u32; LANES] {
-        let mut out = [0; LANES];
-        let mut weighed = 0;
+        let mut out = self.all_made(inner);
+        let mut is_weighed = [false; LANES];
         let [x, y, z] = weight;
         if let (Cells::One(x), Cells::One(y), Cells::One(z)) = (x, y, z) {
             let [x, y, z] = [f32::from_bits(x), f32::from_bits(y), f32::from_bits(z)];
             if x == 0.0 && y == 0.0 && z == 0.0 {
-                return out;
+                return [0; LANES];
             }
-            let is_one = x == 1.0 && y == 1.0 && z == 1.0;
-            for lane in lanes_of(lanes) {
-                out[lane] = self.made(inner.at(lane));
-                weighed |= u32::from(!is_one && out[lane] != 0) << lane;
+            if x != 1.0 || y != 1.0 || z != 1.0 {
+                is_weighed = mapped(&out, |inner| inner != 0);
             }
         } else {
-            for lane in lanes_of(lanes) {
-                let of = |cells: Cells| f32::from_bits(cells.at(lane));
-                let (x, y, z) = (of(x), of(y), of(z));
-                let inner = self.made(inner.at(lane));
-                if inner == 0 || x == 0.0 && y == 0.0 && z == 0.0 {
-                    continue;
-                }
-                out[lane] = inner;
-                weighed |= u32::from(x != 1.0 || y != 1.0 || z != 1.0) << lane;
+            let [x, y, z] = [row(x), row(y), row(z)];
+            for lane in 0..LANES {
+                let [x, y, z] = [x[lane], y[lane], z[lane]].map(f32::from_bits);
+                let is_black = (x == 0.0) & (y == 0.0) & (z == 0.0);
+                let is_plain = (x == 1.0) & (y == 1.0) & (z == 1.0);
+                out[lane] = if is_black { 0 } else { out[lane] };
+                is_weighed[lane] = (out[lane] != 0) & !is_plain;
             }
         }
+        let weighed = lanes & bits(is_weighed);
         if weighed != 0 {
             let first = self.next();
             weight.into_iter().for_each(|cells| self.put(cells));
             self.put(shared(inner, weighed));
-            let number = self.add(What::Mul, first);
-            lanes_of(weighed).for_each(|lane| out[lane] = number);
+            set(&mut out, is_weighed, self.add(What::Mul, first));
         }
         out
+    }
+
+    /// [`made`](Self::made) of each point.
+    fn all_made(&self, numbers: Cells) -> [u32; LANES] {
+        let most = self.nodes.len() as u32;
+        match numbers {
+            Cells::One(number) => [self.made(number); LANES],
+            Cells::Each(row) => mapped(row, |number| if number <= most { number } else { 0 }),
+        }
     }
 
     /// The components of a point's closure with their weights, in order: of node `number`; at most the first
@@ -277,6 +289,25 @@ impl Closures {
 
 /// The same numbers, as one if some points agree.
 fn shared(cells: Cells<'_>, lanes: u32) -> Cells<'_> {
-    let one = cells.at(lanes.trailing_zeros() as usize);
-    if lanes_of(lanes).all(|lane| cells.at(lane) == one) { Cells::One(one) } else { cells }
+    let Cells::Each(row) = cells else { return cells };
+    let one = row[lanes.trailing_zeros() as usize % LANES];
+    if lanes & bits(mapped(row, |number| number != one)) == 0 { Cells::One(one) } else { cells }
+}
+
+fn row(cells: Cells) -> [u32; LANES] {
+    match cells {
+        Cells::One(cell_bits) => [cell_bits; LANES],
+        Cells::Each(row) => *row,
+    }
+}
+
+/// A bit for each point.
+fn bits(is: [bool; LANES]) -> u32 {
+    is.iter().enumerate().fold(0, |bits, (lane, &is)| bits | u32::from(is) << lane)
+}
+
+fn set(out: &mut [u32; LANES], is: [bool; LANES], number: u32) {
+    for (out, is) in out.iter_mut().zip(is) {
+        *out = if is { number } else { *out };
+    }
 }
