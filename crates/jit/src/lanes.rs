@@ -228,13 +228,25 @@ impl Place<'_> {
     }
 
     fn cells(self, memory: &[u32], cell: u32) -> Cells<'_> {
+        self.at(memory, self.number(cell))
+    }
+
+    /// Where a cell is, in any batch: twice its word, and one more for a row.
+    fn number(self, cell: u32) -> u32 {
         match self.layout.address(cell) {
-            CellAddress::One(at) => Cells::One(memory[at as usize / 4]),
-            CellAddress::Each(at) => match memory[at as usize / 4 + self.first..].first_chunk() {
-                Some(row) => Cells::Each(row),
-                None => Cells::One(0),
-            },
+            CellAddress::One(at) => at / 4 << 1,
+            CellAddress::Each(at) => at / 4 << 1 | 1,
         }
+    }
+
+    /// What is at a place of such a number.
+    #[inline(always)]
+    fn at(self, memory: &[u32], number: u32) -> Cells<'_> {
+        let word = (number >> 1) as usize;
+        if number & 1 == 0 {
+            return Cells::One(memory[word]);
+        }
+        memory[word + self.first..].first_chunk().map_or(Cells::One(0), Cells::Each)
     }
 }
 
@@ -406,9 +418,16 @@ impl Work<'_> {
                 let held = &*memory;
                 let read = |cell: u32| place.cells(held, cell);
                 let machine = &mut work.machine;
-                let bound =
-                    bound.get_or_init(|| is_named.then(|| machine.bind_component(step, read)).flatten());
-                let made = bound.as_ref().and_then(|bound| machine.make_component(bound, read));
+                let bound = bound.get_or_init(|| {
+                    // Arguments that are not brought are constants.
+                    let is_fixed = |cell: u32| {
+                        !ins.iter().any(|slot| (slot.at..slot.at + slot.cells() as u32).contains(&cell))
+                    };
+                    let bind = || machine.bind_component(step, read, is_fixed, |cell| place.number(cell));
+                    is_named.then(bind).flatten()
+                });
+                let at = |number: u32| place.at(held, number);
+                let made = bound.as_ref().and_then(|bound| machine.make_component(bound, at));
                 let made = made.map(|number| [number; LANES]);
                 match made.or_else(|| machine.make_closures(step, running, read)) {
                     Some(made) => Held { place, memory }.put(step.args[0].at, running, &made),

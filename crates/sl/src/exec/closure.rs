@@ -3,7 +3,7 @@
 //! The printed form is OSL's. Tests: `tests/meaning/more.rs`, crates/jit/tests/agreement.rs.
 
 use super::cells::{Cells, LANES};
-use super::components::{Closures, Component, Part};
+use super::components::{Closures, Component, Number, Part};
 use super::host::Host;
 use super::machine::{Machine, Step};
 use super::slot::Slot;
@@ -57,7 +57,8 @@ fn made<'c>(
 ) -> Option<[u32; LANES]> {
     let [_, a, rest @ ..] = &*s.args else { return Some([0; LANES]) };
     if s.code == Opcode::Closure {
-        return Bound::of(known, (a, rest), &read).map(|bound| [bound.make(closures, &read); LANES]);
+        let bound = Bound::of(known, (a, rest), &read, &|_| false, &|cell| cell);
+        return bound.map(|bound| [bound.make(closures, &read); LANES]);
     }
     let [b, ..] = rest else { return Some([0; LANES]) };
     let (a, b) = if a.ty == Type::CLOSURE { (a, b) } else { (b, a) };
@@ -152,16 +153,21 @@ pub struct Bound {
     kind: u32,
     /// Of the closure, as the program has it: by where it lies it is known again.
     name: Arc<str>,
-    numbers: Box<[Option<(u32, Change)>]>,
+    /// All numbers, with those that never change.
+    numbers: Box<[Number]>,
+    /// The others: which one, and where it is.
+    open: Box<[(u32, u32, Change)]>,
 }
 
 impl Bound {
     /// Of a name and its arguments; none if the program does not support it, or if names are not the same for
-    /// all points.
+    /// all points. Cells that are `fixed` are read now, others by the numbers that `place` gives them.
     fn of<'c>(
         (host, strings): (&dyn Host, &Strings),
         (name, rest): (&Slot, &[Slot]),
         read: &impl Fn(u32) -> Cells<'c>,
+        fixed: &impl Fn(u32) -> bool,
+        place: &impl Fn(u32) -> u32,
     ) -> Option<Self> {
         let text = |slot: &Slot| match (slot.ty.base, slot.size) {
             (Base::String, 1..) => match read(slot.at) {
@@ -178,7 +184,8 @@ impl Bound {
         for pair in pairs.chunks_exact(2) {
             keys.push((text(&pair[0])?, &pair[1]));
         }
-        let mut numbers = Vec::new();
+        let (mut numbers, mut open) = (Vec::new(), Vec::new());
+        let mut buffer = [0; LANES];
         for (i, param) in decl.params.iter().enumerate() {
             let slot = match &param.key {
                 None => rest.get(i),
@@ -187,29 +194,39 @@ impl Bound {
             for k in 0..param.ty.size() {
                 // One number is not meant for all of an array's.
                 let slot = slot.filter(|slot| k < slot.size as usize);
-                numbers.push(slot.zip(kind(param.ty)).and_then(|(slot, expected)| source(slot, k, expected)));
+                let found = slot.zip(kind(param.ty)).and_then(|(slot, expected)| source(slot, k, expected));
+                let mut number = Number::default();
+                if let Some((cell, change)) = found {
+                    let is_closure = matches!(change, Change::Made);
+                    match changed(read(cell), change, &mut buffer) {
+                        Cells::One(bits) if fixed(cell) && !is_closure => number = Number::one(bits),
+                        _ => open.push((numbers.len() as u32, place(cell), change)),
+                    }
+                }
+                numbers.push(number);
             }
         }
-        Some(Self { kind: kind_of as u32, name: decl.name.clone(), numbers: numbers.into() })
+        let (kind, name) = (kind_of as u32, decl.name.clone());
+        Some(Self { kind, name, numbers: numbers.into(), open: open.into() })
     }
 
-    /// Makes it; its number.
+    /// Makes it; its number. `read` returns what is at a place.
     fn make<'c>(&self, closures: &mut Closures, read: &impl Fn(u32) -> Cells<'c>) -> u32 {
-        closures.reserve(self.numbers.len());
-        let first = closures.next();
+        let first = closures.put_all(&self.numbers);
         let mut buffer = [0; LANES];
-        for number in &self.numbers {
-            match *number {
-                None => closures.put(Cells::One(0)),
-                Some((cell, Change::Nothing)) => closures.put(read(cell)),
-                Some((cell, Change::Made)) => match read(cell) {
-                    Cells::One(cell_bits) => closures.put(Cells::One(closures.made(cell_bits))),
-                    Cells::Each(row) => {
-                        buffer = row.map(|cell_bits| closures.made(cell_bits));
-                        closures.put(Cells::Each(&buffer));
+        for &(index, place, change) in &self.open {
+            let at = first + index;
+            match change {
+                // Most of them.
+                Change::Nothing => closures.replace(at, read(place)),
+                Change::Made => match read(place) {
+                    Cells::One(cell_bits) => closures.replace(at, Cells::One(closures.made(cell_bits))),
+                    cells @ Cells::Each(_) => {
+                        buffer = closures.all_made(cells);
+                        closures.replace(at, Cells::Each(&buffer));
                     }
                 },
-                Some((cell, change)) => closures.put(changed(read(cell), change, &mut buffer)),
+                change => closures.replace(at, changed(read(place), change, &mut buffer)),
             }
         }
         closures.component(self.kind, first)
@@ -228,15 +245,23 @@ impl Machine<'_> {
         made(&mut self.closures, (self.host, &self.strings), step, lanes, read)
     }
 
-    /// Resolves the component of an operation with constant names; `read` returns the contents of cells.
+    /// Resolves the component of an operation with constant names; `read` returns the contents of cells, `fixed` whether they
+    /// never change, and `place` by which number [`make_component`](Self::make_component) asks for them.
     /// `None` if it is unknown, or if the operation makes none.
-    pub fn bind_component<'c>(&self, step: &Step, read: impl Fn(u32) -> Cells<'c>) -> Option<Bound> {
+    pub fn bind_component<'c>(
+        &self,
+        step: &Step,
+        read: impl Fn(u32) -> Cells<'c>,
+        fixed: impl Fn(u32) -> bool,
+        place: impl Fn(u32) -> u32,
+    ) -> Option<Bound> {
         let [_, name, rest @ ..] = &*step.args else { return None };
         let known = (self.host, &self.strings);
-        (step.code == Opcode::Closure).then(|| Bound::of(known, (name, rest), &read)).flatten()
+        let bind = || Bound::of(known, (name, rest), &read, &fixed, &place);
+        (step.code == Opcode::Closure).then(bind).flatten()
     }
 
-    /// Makes a resolved component, for all points; none if it was resolved for another program.
+    /// Makes a resolved component, for all points, of what is at its places; none if it was resolved for another program.
     pub fn make_component<'c>(&mut self, bound: &Bound, read: impl Fn(u32) -> Cells<'c>) -> Option<u32> {
         let decl = self.host.closures().get(bound.kind as usize)?;
         Arc::ptr_eq(&decl.name, &bound.name).then(|| bound.make(&mut self.closures, &read))

@@ -80,13 +80,27 @@ struct Node {
     first: u32,
 }
 
+/// A number of a node: its bits, or which row it has.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Number {
+    pub(super) bits: u32,
+    is_row: bool,
+}
+
+impl Number {
+    /// The same for all points.
+    pub(super) const fn one(bits: u32) -> Self {
+        Self { bits, is_row: false }
+    }
+}
+
 /// The nodes of a batch.
 #[derive(Clone, Debug, Default)]
 pub struct Closures {
     nodes: Vec<Node>,
-    /// By number, where it is: twice its index among the words, and one more if there is one for each point.
-    component_indices: Vec<u32>,
-    cells_bits: Vec<u32>,
+    numbers: Vec<Number>,
+    /// Numbers that differ from point to point.
+    rows: Vec<[u32; LANES]>,
 }
 
 /// Words of a batch's nodes; closures beyond are dropped.
@@ -100,20 +114,17 @@ impl Closures {
     /// Removes all nodes.
     pub fn clear(&mut self) {
         self.nodes.clear();
-        self.component_indices.clear();
-        self.cells_bits.clear();
+        self.numbers.clear();
+        self.rows.clear();
     }
 
     #[inline]
     fn cells(&self, number: usize) -> Cells<'_> {
-        let source_position = self.component_indices.get(number).copied().unwrap_or_default();
-        let at = (source_position >> 1) as usize;
-        if source_position & 1 != 0
-            && let Some(row) = self.cells_bits.get(at..).and_then(<[u32]>::first_chunk)
-        {
-            return Cells::Each(row);
+        let number = self.numbers.get(number).copied().unwrap_or_default();
+        match self.rows.get(number.bits as usize) {
+            Some(row) if number.is_row => Cells::Each(row),
+            _ => Cells::One(number.bits),
         }
-        Cells::One(self.cells_bits.get(at).copied().unwrap_or_default())
     }
 
     /// Node `number`; none for 0.
@@ -132,28 +143,40 @@ impl Closures {
     /// Adds a number of the node that is made by [`component`](Self::component) next.
     #[inline]
     pub(super) fn put(&mut self, cells: Cells) {
-        let at = (self.cells_bits.len() as u32) << 1;
+        let number = self.number(cells);
+        self.numbers.push(number);
+    }
+
+    /// Adds numbers that are the same for all points; the first of them.
+    pub(super) fn put_all(&mut self, numbers: &[Number]) -> u32 {
+        self.numbers.extend_from_slice(numbers);
+        (self.numbers.len() - numbers.len()) as u32
+    }
+
+    /// Another number in the place of one that was added.
+    #[inline(always)]
+    pub(super) fn replace(&mut self, at: u32, cells: Cells) {
+        let number = self.number(cells);
+        if let Some(place) = self.numbers.get_mut(at as usize) {
+            *place = number;
+        }
+    }
+
+    #[inline(always)]
+    fn number(&mut self, cells: Cells) -> Number {
         match cells {
-            Cells::One(cell_bits) => {
-                self.component_indices.push(at);
-                self.cells_bits.push(cell_bits);
-            }
+            Cells::One(bits) => Number::one(bits),
             Cells::Each(row) => {
-                self.component_indices.push(at | 1);
-                self.cells_bits.extend_from_slice(row);
+                // Copied once: `push` does it by way of the stack.
+                self.rows.extend_from_slice(std::slice::from_ref(row));
+                Number { bits: self.rows.len() as u32 - 1, is_row: true }
             }
         }
     }
 
-    /// Makes room for the numbers of a node.
-    pub(super) fn reserve(&mut self, numbers: usize) {
-        self.component_indices.reserve(numbers);
-        self.cells_bits.reserve(LANES * numbers);
-    }
-
     /// How many numbers there are: the first of the node that comes next.
-    pub(super) fn next(&self) -> u32 {
-        self.component_indices.len() as u32
+    fn next(&self) -> u32 {
+        self.numbers.len() as u32
     }
 
     /// Makes a component of the numbers from `first` on; its number, 0 if there are too many.
@@ -162,14 +185,12 @@ impl Closures {
     }
 
     fn add(&mut self, what: What, first: u32) -> u32 {
-        if self.cells_bits.len() > MOST {
+        if self.numbers.len() + LANES * self.rows.len() > MOST {
             // Nor are its numbers stored.
-            let start = self
-                .component_indices
-                .get(first as usize)
-                .map_or(self.cells_bits.len(), |&at| (at >> 1) as usize);
-            self.cells_bits.truncate(start);
-            self.component_indices.truncate(first as usize);
+            let own = self.numbers.get(first as usize..).unwrap_or(&[]);
+            let rows = own.iter().filter(|number| number.is_row).count();
+            self.rows.truncate(self.rows.len() - rows);
+            self.numbers.truncate(first as usize);
             return 0;
         }
         self.nodes.push(Node { what, first });
@@ -235,7 +256,7 @@ impl Closures {
     }
 
     /// [`made`](Self::made) of each point.
-    fn all_made(&self, numbers: Cells) -> [u32; LANES] {
+    pub(super) fn all_made(&self, numbers: Cells) -> [u32; LANES] {
         let most = self.nodes.len() as u32;
         match numbers {
             Cells::One(number) => [self.made(number); LANES],
