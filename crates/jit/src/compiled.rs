@@ -134,7 +134,7 @@ impl Compiled {
         let mut reads = inputs::reads(&self.program);
         let is_written = |slot: &Slot| self.program.touched.get(&slot.at).is_some_and(|&written| written);
         let all = |slot: &Slot| slot.at..slot.at + slot.cells() as u32;
-        // Lanes that do not run keep the rest of what is written, and what no operation reads may be a result.
+        // Lanes that do not run keep their parts of written globals, and globals that no operation reads may be results.
         self.plan.globals.values().filter(|slot| is_written(slot)).for_each(|slot| reads.extend(all(slot)));
         self.retained.iter().for_each(|(_, slot)| reads.extend(all(slot)));
         let mut globals: Vec<(&Arc<str>, &Slot)> = self.plan.globals.iter().collect();

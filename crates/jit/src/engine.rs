@@ -36,8 +36,8 @@ impl Batch for Lanes<'_> {
     }
 }
 
-/// Compiles a group for the engine of a name: `machine` for the best level of the CPU, a level's name for that level, with
-/// `-scalar` after it for one point at a time, and with `-pair` for two batches at once.
+/// Compiles a group for the engine of a name: `machine` for the best level of the CPU, or a level's name. `-scalar` after it is for
+/// one point at a time, and `-pair` for two batches at once.
 ///
 /// # Errors
 /// As [`Compiled::new`]; a name that is not known.

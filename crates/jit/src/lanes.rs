@@ -234,8 +234,8 @@ impl Place<'_> {
     /// Where a cell is, in any batch: twice its word, and one more for a row.
     fn number(self, cell: u32) -> u32 {
         match self.layout.address(cell) {
-            CellAddress::One(at) => at / 4 << 1,
-            CellAddress::Each(at) => at / 4 << 1 | 1,
+            CellAddress::One(at) => (at / 4) << 1,
+            CellAddress::Each(at) => (at / 4) << 1 | 1,
         }
     }
 
@@ -281,7 +281,7 @@ impl RunningBatch for Held<'_> {
 }
 
 impl Compiled {
-    /// Runs it for a plan that means the same, which counts the points that were stopped. Batches are as many as results.
+    /// Runs it for a plan that means the same, which counts the points that were stopped. Each batch has its results.
     pub(crate) fn run_for(&self, plan: &Plan, host: &dyn Host, points: &[Points], out: &mut [Results]) {
         let rows = self.retained.iter().map(|(pooled, _)| pooled.row + pooled.ty.size()).max().unwrap_or(0);
         for out in &mut *out {

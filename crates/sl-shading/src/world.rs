@@ -57,7 +57,7 @@ pub(crate) struct Common {
     pub(crate) needs: Needs,
     /// Its properties.
     pub(crate) properties: Properties,
-    #[expect(clippy::vec_box, reason = "eight kilobytes would be moved in and out for each batch")]
+    /// In boxes: eight kilobytes would be moved in and out for each batch.
     pub(crate) scratch: Mutex<Vec<Box<Scratch>>>,
 }
 
