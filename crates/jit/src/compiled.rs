@@ -63,8 +63,8 @@ impl Compiled {
         Self::with_lanes(plan, level, 16)
     }
 
-    /// Compiles a group for two batches at once, whose instructions overlap: about as fast for each where a batch alone is a
-    /// chain of operations that wait for each other. Code of one batch is better for one.
+    /// Compiles a group for two batches at once. Their instructions overlap, so that both take little more time than one does
+    /// where its operations wait for each other. For one batch the code of [`new`](Self::new) is faster.
     ///
     /// # Errors
     /// As [`new`](Self::new).
