@@ -401,6 +401,15 @@ mod tests {
         assert_eq!(offset_of!(Ray, t_far), 4 * row::T_FAR, "RTCRay: tfar");
         assert_eq!(offset_of!(Ray, flags), 4 * row::FLAGS, "RTCRay: flags");
         assert_eq!(size_of::<Ray>(), 48, "RTCRay");
+        let fields = [
+            (offset_of!(gnurt_accel::Ray, org), row::ORG),
+            (offset_of!(gnurt_accel::Ray, t_near), row::T_NEAR),
+            (offset_of!(gnurt_accel::Ray, dir), row::DIR),
+            (offset_of!(gnurt_accel::Ray, time), row::TIME),
+            (offset_of!(gnurt_accel::Ray, t_far), row::T_FAR),
+            (offset_of!(gnurt_accel::Ray, mask), row::MASK),
+        ];
+        assert!(fields.iter().all(|&(at, row)| at == 4 * row), "RTCRay begins with our ray: {fields:?}");
         assert_eq!(offset_of!(RayHit, hit), 4 * row::NORMAL, "RTCRayHit: the hit follows the ray");
         assert_eq!(
             offset_of!(Hit, inst_prim_id),

@@ -98,7 +98,7 @@ impl FilteredQuery<'_> {
             return false;
         }
         let program_hit =
-            hit_for_program(&located, hit, &self.ray, frame.context, has_arrays(self.committed));
+            hit_for_program(&located, hit, &self.ray, None, frame.context, has_arrays(self.committed));
         let ids = [program_hit.inst_id, program_hit.inst_prim_id];
         let inward =
             located.shown_instance.map(|_| transform::inverse(&located.world_from_object(self.ray.time)));
@@ -230,7 +230,7 @@ pub(crate) fn intersect_filtered(committed: &Committed, lane: Lane, query_ray: Q
         let Some(hit) = hit else { return };
         let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
         let (context, has_arrays) = (filtered.frame.context, has_arrays(committed));
-        let as_found = hit_for_program(&located, &hit, &ray, context, has_arrays);
+        let as_found = hit_for_program(&located, &hit, &ray, None, context, has_arrays);
         let (program_hit, t) = match (&filtered.passed, located.surface.kind) {
             (_, Kind::User) => {
                 let retained = filtered.frame.pending_hits(&located.surface.geometry, hit.prim_id, hit.t);

@@ -137,9 +137,15 @@ fn unforeseen() -> Problem {
 }
 
 /// Runs a call that has no handle; a panic is reported, and the answer is the type's default.
+#[inline(always)]
 pub(crate) fn guarded<R: Default>(call: impl FnOnce() -> R) -> R {
     catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|_| {
-        report_without_device(&unforeseen());
+        panicked();
         R::default()
     })
+}
+
+#[cold]
+fn panicked() {
+    report_without_device(&unforeseen());
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 use gnurt_accel::{Hit, Ray};
 
 use crate::ffi_abi::{self as abi, Arguments, COHERENT, Context, INVALID, INVOKE_ARGUMENT_FILTER, row};
-use crate::located::Located;
+use crate::located::{Located, across};
 use crate::objects::Committed;
 
 /// Where ray `at` of a packet of `n` lies.
@@ -88,6 +88,18 @@ impl Lane {
         }
     }
 
+    /// The ray where it lies, of a packet of one: a copy would be read in other sizes than it was written in, and the CPU
+    /// wait for that.
+    ///
+    /// # Safety
+    /// The packet is of one ray, and that is not written while the answer lives.
+    #[inline(always)]
+    pub(crate) unsafe fn in_place<'a>(self) -> &'a Ray {
+        // SAFETY: the ray is there, as the maker of this guaranteed, and its fields are the first ones of `RTCRay`:
+        // `abi::tests::layouts_are_those_of_the_headers`.
+        unsafe { &*self.first.cast_const().cast::<Ray>() }
+    }
+
     /// The ray with the fields that only the program can fill.
     pub(crate) fn whole(self) -> abi::Ray {
         let Ray { org, t_near, dir, t_far, mask, time } = self.ray();
@@ -156,28 +168,38 @@ pub(crate) fn has_arrays(committed: &Committed) -> bool {
     committed.device.has_arrays.load(Ordering::Relaxed)
 }
 
-/// A hit as the program is to see it.
+/// The instance of a hit that is in none of the scene: a program that transforms rays into its own instances passes their numbers
+/// in the context.
+#[inline(always)]
+pub(crate) fn given_instance(context: *const Context, has_arrays: bool) -> (u32, u32) {
+    if context.is_null() {
+        return (INVALID, INVALID);
+    }
+    // SAFETY: a context that is not null begins with this number; the second one is there where arrays are known.
+    unsafe { ((*context).inst_id, if has_arrays { (*context).inst_prim_id } else { INVALID }) }
+}
+
+/// A hit as the program is to see it; with the corners of its triangle, where the tree tells: the arrays that it was built from
+/// lie elsewhere, and reading them took a third of a camera ray's time.
 #[inline(always)]
 pub(crate) fn hit_for_program(
     located: &Located,
     hit: &Hit,
     ray: &Ray,
+    corners: Option<[[f32; 3]; 3]>,
     context: *const Context,
     has_arrays: bool,
 ) -> abi::Hit {
     let (inst_id, inst_prim_id) = match located.shown_instance {
         Some(shown_instance) => (shown_instance.geom_id, shown_instance.prim_id.unwrap_or(INVALID)),
-        // A program that transforms rays into its own instances passes their numbers here.
-        // SAFETY: a context that is not null begins with this number.
-        None if !context.is_null() => unsafe {
-            // The second number is there where arrays are known.
-            ((*context).inst_id, if has_arrays { (*context).inst_prim_id } else { INVALID })
-        },
-        None => (INVALID, INVALID),
+        None => given_instance(context, has_arrays),
     };
     let (prim_id, [u, v]) = located.surface.seen(hit.prim_id, [hit.u, hit.v]);
     abi::Hit {
-        normal: located.normal(hit, ray),
+        normal: match corners {
+            Some([a, b, c]) if located.is_as_built() => across(a, b, c),
+            _ => located.normal(hit, ray),
+        },
         u,
         v,
         prim_id,

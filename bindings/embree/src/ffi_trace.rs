@@ -6,16 +6,17 @@
 
 use std::ffi::c_int;
 
-use gnurt_accel::{Coherence, Packet, Query};
+use gnurt_accel::{Coherence, Hit, Packet, Query, Ray};
 
-use crate::ffi_abi::{Arguments, row};
+use crate::ffi_abi::{self as abi, Arguments, row};
 use crate::ffi_callbacks::take_thrown;
 use crate::ffi_catch::Thrown;
 use crate::ffi_filter::{intersect_filtered, occluded_filtered};
 use crate::ffi_handle::{Handle, guarded, not_committed, with};
-use crate::ffi_lane::{Lane, QueryRay, has_arrays, hit_for_program};
+use crate::ffi_lane::{Lane, QueryRay, given_instance, has_arrays, hit_for_program};
 use crate::ffi_present::present;
-use crate::objects::{Committed, Scene, run_query};
+use crate::located::across;
+use crate::objects::{Committed, Scene, Surface, Tree, run_query};
 
 /// Whether functions of the program are called for hits.
 #[inline(always)]
@@ -29,23 +30,54 @@ pub(crate) fn intersect(committed: &Committed, lane: Lane, query_ray: QueryRay) 
     if calls_program(committed, query_ray) {
         intersect_filtered(committed, lane, query_ray);
     } else {
-        intersect_plain(committed, lane, query_ray);
+        intersect_plain(committed, lane, &lane.ray(), query_ray);
     }
 }
 
 /// The same without callbacks.
 #[inline(always)]
-fn intersect_plain(committed: &Committed, lane: Lane, query_ray: QueryRay) {
-    let ray = lane.ray();
-    if let Some(hit) = run_query!(committed, tree => tree.intersect_with(&committed.query, &ray)) {
-        let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
-        let has_arrays = has_arrays(committed);
-        lane.write(
-            hit.t,
-            &hit_for_program(&located, &hit, &ray, query_ray.context(), has_arrays),
-            has_arrays,
-        );
+fn intersect_plain(committed: &Committed, lane: Lane, ray: &Ray, query_ray: QueryRay) {
+    let found = match &committed.tree {
+        Tree::Object(tree) => tree.intersect_directly(&committed.query, ray),
+        Tree::Scene(_) => None,
+    };
+    let Some(found) = found else { return intersect_anything(committed, lane, ray, query_ray) };
+    let Some((hit, corners)) = found else { return };
+    match (corners, &committed.surfaces[hit.geom_id as usize]) {
+        (Some([a, b, c]), surface @ Surface { cells: None, .. }) => {
+            let has_arrays = has_arrays(committed);
+            let (inst_id, inst_prim_id) = given_instance(query_ray.context(), has_arrays);
+            let Hit { t, u, v, prim_id, .. } = hit;
+            let (normal, geom_id) = (across(a, b, c), surface.geom_id);
+            lane.write(t, &abi::Hit { normal, u, v, prim_id, geom_id, inst_id, inst_prim_id }, has_arrays);
+        }
+        _ => write_hit(committed, lane, ray, query_ray, &hit, corners),
     }
+}
+
+/// The same in any scene.
+#[inline(never)]
+fn intersect_anything(committed: &Committed, lane: Lane, ray: &Ray, query_ray: QueryRay) {
+    let found = run_query!(committed, tree => tree.intersect_with_corners(&committed.query, ray));
+    if let Some((hit, corners)) = found {
+        write_hit(committed, lane, ray, query_ray, &hit, corners);
+    }
+}
+
+/// Writes a hit of any kind. A function of its own, so that the calls above need few registers.
+#[inline(never)]
+fn write_hit(
+    committed: &Committed,
+    lane: Lane,
+    ray: &Ray,
+    query_ray: QueryRay,
+    hit: &Hit,
+    corners: Option<[[f32; 3]; 3]>,
+) {
+    let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
+    let has_arrays = has_arrays(committed);
+    let program_hit = hit_for_program(&located, hit, ray, corners, query_ray.context(), has_arrays);
+    lane.write(hit.t, &program_hit, has_arrays);
 }
 
 /// Whether there is a hit.
@@ -54,14 +86,14 @@ pub(crate) fn occluded(committed: &Committed, lane: Lane, query_ray: QueryRay) {
     if calls_program(committed, query_ray) {
         occluded_filtered(committed, lane, query_ray);
     } else {
-        occluded_plain(committed, lane);
+        occluded_plain(committed, lane, &lane.ray());
     }
 }
 
 /// The same without callbacks.
 #[inline(always)]
-fn occluded_plain(committed: &Committed, lane: Lane) {
-    if run_query!(committed, tree => tree.occluded_with(&committed.query, &lane.ray())) {
+fn occluded_plain(committed: &Committed, lane: Lane, ray: &Ray) {
+    if run_query!(committed, tree => tree.occluded_with(&committed.query, ray)) {
         lane.set(row::T_FAR, f32::NEG_INFINITY);
     }
 }
@@ -91,7 +123,8 @@ impl<'a> PacketQuery<'a> {
         run_query!(committed, tree => tree.intersect_packet(&query, packet, |at, hit| {
             if let Some(lane) = lanes[at] {
                 let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
-                let program_hit = hit_for_program(&located, &hit, &lane.ray(), query_ray.context(), has_arrays);
+                let (ray, context) = (lane.ray(), query_ray.context());
+                let program_hit = hit_for_program(&located, &hit, &ray, None, context, has_arrays);
                 lane.write(hit.t, &program_hit, has_arrays);
             }
         }));
@@ -113,7 +146,7 @@ trait Trace {
     /// Coherent packets of at least this many rays are traced together: fewer are faster one by one
     /// (bench/record/embree-calls-2026-11-23.md).
     const WORTH_IT: usize;
-    fn one(committed: &Committed, lane: Lane, query_ray: QueryRay);
+    fn one(committed: &Committed, lane: Lane, ray: &Ray, query_ray: QueryRay);
     /// Where functions of the program are called.
     fn asking(committed: &Committed, lane: Lane, query_ray: QueryRay);
     fn packet_query(rays: PacketQuery, query_ray: QueryRay);
@@ -126,8 +159,8 @@ impl Trace for Intersect {
     const WORTH_IT: usize = 8;
 
     #[inline(always)]
-    fn one(committed: &Committed, lane: Lane, query_ray: QueryRay) {
-        intersect_plain(committed, lane, query_ray);
+    fn one(committed: &Committed, lane: Lane, ray: &Ray, query_ray: QueryRay) {
+        intersect_plain(committed, lane, ray, query_ray);
     }
 
     fn asking(committed: &Committed, lane: Lane, query_ray: QueryRay) {
@@ -143,8 +176,8 @@ impl Trace for Occluded {
     const WORTH_IT: usize = 16;
 
     #[inline(always)]
-    fn one(committed: &Committed, lane: Lane, _: QueryRay) {
-        occluded_plain(committed, lane);
+    fn one(committed: &Committed, lane: Lane, ray: &Ray, _: QueryRay) {
+        occluded_plain(committed, lane, ray);
     }
 
     fn asking(committed: &Committed, lane: Lane, query_ray: QueryRay) {
@@ -201,7 +234,7 @@ unsafe fn each<const N: usize, T: Trace>(
     let Some(committed) = (unsafe { committed(scene) }) else { return };
     let query_ray = QueryRay { arguments };
     let asks = calls_program(committed, query_ray);
-    guarded(|| {
+    guarded(move || {
         let lanes = (0..N)
             // SAFETY: there are `N` numbers in `valid`.
             .filter(|&i| N == 1 || unsafe { *valid.add(i) } != 0)
@@ -212,7 +245,11 @@ unsafe fn each<const N: usize, T: Trace>(
         } else if N >= T::WORTH_IT && query_ray.is_coherent() {
             T::packet_query(PacketQuery::new(committed, lanes), query_ray);
         } else {
-            lanes.for_each(|lane| T::one(committed, lane, query_ray));
+            lanes.for_each(|lane| match N {
+                // SAFETY: the ray is written after it was traced.
+                1 => T::one(committed, lane, unsafe { lane.in_place() }, query_ray),
+                _ => T::one(committed, lane, &lane.ray(), query_ray),
+            });
         }
     });
     if asks && let Err(thrown) = take_thrown() {

@@ -77,6 +77,12 @@ fn as_it_is_now<'a>(shown: &'a Shown, surface: &'a Surface) -> Option<&'a Surfac
 }
 
 impl Located<'_> {
+    /// Whether the arrays are those that the tree was built from: no later commit of a scene that is shown has others.
+    #[inline]
+    pub(crate) fn is_as_built(&self) -> bool {
+        self.arrays.is_some_and(|arrays| std::ptr::eq(arrays, self.surface))
+    }
+
     /// The map from the object to the world at a time, out of all instances.
     pub(crate) fn world_from_object(&self, time: f32) -> Columns {
         let outer = self.shown_instance.map_or(IDENTITY, |shown_instance| shown_instance.at(time));
@@ -125,7 +131,6 @@ impl Located<'_> {
 
     /// The normal at a ray's hit, in the geometry's space; zeros for user geometry, which returns its own,
     /// and for removed geometry.
-    #[inline]
     pub(crate) fn normal(&self, hit: &Hit, ray: &Ray) -> [f32; 3] {
         let Some(surface) = self.arrays else { return [0.0; 3] };
         let Surface { kind, indices, .. } = surface;
@@ -174,8 +179,9 @@ impl Located<'_> {
     }
 }
 
+/// The normal of a triangle, not of unit length.
 #[inline]
-fn across(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
+pub(crate) fn across(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
     let p = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     let q = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
     [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]

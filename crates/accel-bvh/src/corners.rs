@@ -16,6 +16,22 @@ impl BvhIndex {
         leaves.count()
     }
 
+    /// The corners of the triangle at a [place](gnurt_accel_core::nearest::Nearest::place); `None` for `NOWHERE`, and in
+    /// compact trees.
+    #[must_use]
+    #[inline]
+    pub fn corners_of_place(&self, place: u32) -> Option<[[f32; 3]; 3]> {
+        let place = place as usize;
+        let [a, b, c] = &self.leaves.blocks.get(place / WIDTH)?.corners;
+        // Not by `map`, which would be a separate call.
+        let lane = place % WIDTH;
+        Some([
+            [a[0][lane], a[1][lane], a[2][lane]],
+            [b[0][lane], b[1][lane], b[2][lane]],
+            [c[0][lane], c[1][lane], c[2][lane]],
+        ])
+    }
+
     /// The corners of one triangle.
     #[must_use]
     pub fn corners_at(&self, block: usize, lane: usize) -> [[f32; 3]; 3] {

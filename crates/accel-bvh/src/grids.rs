@@ -11,6 +11,7 @@ use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::geometry::GeometryKind;
 use gnurt_accel_core::grids::Grids;
+use gnurt_accel_core::nearest::NOWHERE;
 use gnurt_accel_core::patches::{CORNERS, OwnedVertices, Patch, Row, meet_patch};
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
@@ -210,7 +211,13 @@ impl BlockKind for GridBlock {
                     |bits, hits, traversal| offer(bits, hits, first, columns, traversal),
                     #[inline(always)]
                     |bits, hits, single, traversal| {
-                        self.triangles(lane, shared).meet_in_doubt(bits, hits, single, slot, traversal);
+                        self.triangles(lane, shared).meet_in_doubt(
+                            bits,
+                            hits,
+                            single,
+                            [slot, NOWHERE],
+                            traversal,
+                        );
                     },
                 );
             }

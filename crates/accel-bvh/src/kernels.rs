@@ -9,12 +9,12 @@
 
 use std::marker::PhantomData;
 
-use gnurt_accel_core::Ray;
 use gnurt_accel_core::collect::Best;
 use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
-use gnurt_accel_core::nearest::{AnyHit, Closest, Mode};
+use gnurt_accel_core::nearest::{AnyHit, Closest, Mode, Nearest};
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::traversal::{RayKind, RayTraversal, TileTraversal};
+use gnurt_accel_core::{Counters, Ray};
 use gnurt_simd::{Level, Simd, Token, by_level, by_level_of_two, kernel, tile_kernel};
 
 use crate::blocks::BlockIndex;
@@ -35,6 +35,8 @@ pub struct Kernels {
 }
 
 type OnRay<I> = fn(Token, &I, &mut RayTraversal);
+/// As many arguments as registers take. Whether the ray is valid and regular, and the tree fast; if not, nothing is done.
+type Straight = fn(Token, &BvhIndex, &Ray, u32, &mut Nearest, &mut Counters) -> bool;
 type EnterRay<'a> = &'a mut dyn FnMut(MetBlock) -> f32;
 type EnterTile<'a> = &'a mut dyn EnterMembers;
 type EnterPoint<'a> = &'a mut dyn FnMut(usize) -> f64;
@@ -43,8 +45,8 @@ type OnBoxesTile = fn(Token, &BoxIndex, DirectionClass, &mut TileTraversal, Ente
 type OnPoint<I> = fn(Token, &I, &Probe, u32, &mut dyn NearestPoint);
 
 struct Table {
-    closest: OnRay<BvhIndex>,
-    any: OnRay<BvhIndex>,
+    closest: Straight,
+    any: Straight,
     each: OnRay<BvhIndex>,
     /// `None` where lanes are too narrow for it to pay, as below.
     tile: Option<OnTile<BvhIndex>>,
@@ -95,20 +97,22 @@ impl<S: Simd> For<S> {
     };
 }
 
-fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, traversal: &mut RayTraversal) {
+fn search<S: Simd, M: Mode>(
+    token: Token,
+    index: &BvhIndex,
+    ray: &Ray,
+    slot: u32,
+    nearest: &mut Nearest,
+    counters: &mut Counters,
+) -> bool {
     let simd = S::from_token(token);
     if index.is_compact() {
-        return search_compact(simd, index, traversal);
+        return false;
     }
     simd.vectorize(
         #[inline(always)]
-        || {
-            // The state as a whole: its fields would be copied, in other sizes than they were written in.
-            let traversal = &mut *traversal;
-            let mut best = Best::<M>::new(traversal.nearest);
-            index.search(simd, traversal.ray, traversal.slot, &mut best, traversal.counters);
-        },
-    );
+        move || index.search_regular(simd, ray, slot, &mut Best::<M>::new(nearest), counters),
+    )
 }
 
 /// A compact tree, for all kinds of queries. Cold, so that the kernels above keep their registers.
@@ -184,12 +188,28 @@ impl Kernels {
     /// One ray through triangles.
     #[inline(always)]
     pub fn ray(&self, index: &BvhIndex, traversal: &mut RayTraversal) {
-        let kernel = match traversal.kind {
-            RayKind::Closest => self.table.closest,
-            RayKind::Any => self.table.any,
-            RayKind::Each(_) => self.table.each,
+        let RayTraversal { ray, slot, ref mut nearest, ref mut counters, .. } = *traversal;
+        let is_done = match traversal.kind {
+            RayKind::Closest => (self.table.closest)(self.token, index, ray, slot, nearest, counters),
+            RayKind::Any => (self.table.any)(self.token, index, ray, slot, nearest, counters),
+            RayKind::Each(_) => false,
         };
-        kernel(self.token, index, traversal);
+        if !is_done {
+            (self.table.each)(self.token, index, traversal);
+        }
+    }
+
+    /// The closest hit of any ray with an object of one tree. Whether the ray is valid and regular, and the tree fast; if not,
+    /// nothing is done.
+    #[inline(always)]
+    pub fn closest(&self, index: &BvhIndex, ray: &Ray, nearest: &mut Nearest) -> bool {
+        (self.table.closest)(self.token, index, ray, 0, nearest, &mut Counters::default())
+    }
+
+    /// Any hit; see [`closest`](Self::closest).
+    #[inline(always)]
+    pub fn any(&self, index: &BvhIndex, ray: &Ray, nearest: &mut Nearest) -> bool {
+        (self.table.any)(self.token, index, ray, 0, nearest, &mut Counters::default())
     }
 
     /// One ray through moving triangles, at its time.

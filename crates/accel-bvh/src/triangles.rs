@@ -3,16 +3,18 @@
 //! in the form of the tests, are compiled for each kind of query; those of compact ones once.
 //! Space: object. Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
+use std::ops::Range;
+
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::traversal::RayTraversal;
 use gnurt_accel_core::{Counters, Ray};
-use gnurt_simd::Simd;
+use gnurt_simd::{Simd, StackBuffer};
 
 use crate::index::BvhIndex;
 use crate::node::{Child, WIDTH};
-use crate::node_ray::NodeRay;
-use crate::walk::{walk, walk_any};
+use crate::node_ray::{NodeRay, RayLanes};
+use crate::walk::{MOST_WAIT, NodeStack, enter, enter_any, walk, walk_any, walk_any_on, walk_on};
 
 /// A ray prepared for nodes and for blocks.
 pub(crate) struct Prepared<S: Simd> {
@@ -43,11 +45,79 @@ impl BvhIndex {
         self.walk(simd, Child::node(0), &ray, slot, collect, counters);
     }
 
+    /// The same of any ray; whether it is valid and regular. If not, nothing is done.
+    #[inline(always)]
+    pub(crate) fn search_regular<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        slot: u32,
+        collect: &mut C,
+        counters: &mut Counters,
+    ) -> bool {
+        let lanes = RayLanes::new(simd, ray);
+        let is_regular = lanes.is_regular(simd, ray);
+        if is_regular {
+            self.search_late(simd, ray, &lanes, slot, collect, counters);
+        }
+        is_regular
+    }
+
     /// The same in a compact tree.
     #[inline(always)]
     pub(crate) fn search_compact<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
         let ray = Prepared::new(simd, traversal.ray, self.greatest);
         self.walk_compact(simd, Child::node(0), &ray, traversal);
+    }
+
+    /// From the root of a fast tree on; the ray is made ready for triangles once it has met the root.
+    #[inline(always)]
+    fn search_late<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        lanes: &RayLanes<S>,
+        slot: u32,
+        collect: &mut C,
+        counters: &mut Counters,
+    ) {
+        let (nodes, reach) = (&self.tree.nodes[..], collect.reach());
+        let for_nodes = &NodeRay::of_lanes(simd, lanes, self.greatest);
+        counters.nodes += 1;
+        let mut tested = 0;
+        let visited = if C::ANY {
+            let mut buffer = StackBuffer::<u32, MOST_WAIT>::new();
+            let waiting = &mut buffer.stack();
+            let Some(first) = enter_any(waiting, nodes, simd, for_nodes, reach) else { return };
+            let for_blocks = BlockRay::along(simd, ray, lanes.longest_axis());
+            walk_any_on(
+                waiting,
+                nodes,
+                simd,
+                first,
+                for_nodes,
+                reach,
+                #[inline(always)]
+                |range| self.leaf_any(simd, range, &for_blocks, slot, collect, &mut tested),
+            )
+        } else {
+            let mut buffer = NodeStack::new();
+            let waiting = &mut buffer.stack();
+            let Some(first) = enter(waiting, nodes, simd, for_nodes, reach) else { return };
+            let for_blocks = BlockRay::along(simd, ray, lanes.longest_axis());
+            walk_on(
+                waiting,
+                nodes,
+                simd,
+                first,
+                for_nodes,
+                reach,
+                #[inline(always)]
+                |range| self.leaf(simd, range, &for_blocks, slot, collect, &mut tested),
+            )
+        };
+        counters.nodes += u64::from(visited);
+        counters.triangles += tested * WIDTH as u64;
     }
 
     /// From `start` on, in a fast tree.
@@ -61,7 +131,7 @@ impl BvhIndex {
         collect: &mut C,
         counters: &mut Counters,
     ) {
-        let (nodes, blocks) = (&self.tree.nodes[..], &self.leaves.blocks[..]);
+        let (nodes, reach) = (&self.tree.nodes[..], collect.reach());
         let mut tested = 0;
         let visited = if C::ANY {
             walk_any(
@@ -69,18 +139,9 @@ impl BvhIndex {
                 simd,
                 start,
                 for_nodes,
-                collect.reach(),
+                reach,
                 #[inline(always)]
-                |range| {
-                    for index in range {
-                        tested += 1;
-                        blocks[index].meet(simd, for_blocks, slot, collect);
-                        if collect.is_done() {
-                            return false;
-                        }
-                    }
-                    true
-                },
+                |range| self.leaf_any(simd, range, for_blocks, slot, collect, &mut tested),
             )
         } else {
             walk(
@@ -88,19 +149,54 @@ impl BvhIndex {
                 simd,
                 start,
                 for_nodes,
-                collect.reach(),
+                reach,
                 #[inline(always)]
-                |range| {
-                    for index in range {
-                        tested += 1;
-                        blocks[index].meet(simd, for_blocks, slot, collect);
-                    }
-                    collect.reach()
-                },
+                |range| self.leaf(simd, range, for_blocks, slot, collect, &mut tested),
             )
         };
         counters.nodes += u64::from(visited);
         counters.triangles += tested * WIDTH as u64;
+    }
+
+    /// Offers the hits in a leaf; how far the ray is still of interest.
+    #[inline(always)]
+    fn leaf<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        range: Range<usize>,
+        for_blocks: &BlockRay<S>,
+        slot: u32,
+        collect: &mut C,
+        tested: &mut u64,
+    ) -> f32 {
+        for index in range {
+            *tested += 1;
+            let whose = [slot, (index * WIDTH) as u32];
+            self.leaves.blocks[index].meet_at(simd, for_blocks, whose, collect);
+        }
+        collect.reach()
+    }
+
+    /// Offers hits in a leaf up to the first; whether there is none.
+    #[inline(always)]
+    fn leaf_any<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        range: Range<usize>,
+        for_blocks: &BlockRay<S>,
+        slot: u32,
+        collect: &mut C,
+        tested: &mut u64,
+    ) -> bool {
+        for index in range {
+            *tested += 1;
+            let whose = [slot, (index * WIDTH) as u32];
+            self.leaves.blocks[index].meet_at(simd, for_blocks, whose, collect);
+            if collect.is_done() {
+                return false;
+            }
+        }
+        true
     }
 
     /// The same in a compact tree, whose blocks are expanded one by one.

@@ -14,7 +14,7 @@ use crate::node_ray::NodeRay;
 use crate::tree::{DEEPEST, Tree};
 
 /// The stack of pending nodes: at most seven children of each node on the way down, and a root.
-type NodeStack = StackBuffer<u64, MOST_WAIT>;
+pub(crate) type NodeStack = StackBuffer<u64, MOST_WAIT>;
 
 /// Entries of a stack for the longest way down.
 pub(crate) const MOST_WAIT: usize = 8 * DEEPEST;
@@ -244,10 +244,43 @@ pub(crate) fn walk_with<S: Simd, const WAIT: usize>(
     simd: S,
     start: Child,
     ray: &NodeRay<S>,
+    reach: f32,
+    leaf: impl FnMut(Range<usize>) -> f32,
+) -> u32 {
+    walk_on(&mut buffer.stack(), nodes, simd, start, ray, reach, leaf)
+}
+
+/// The nearest child of the root that the ray meets before `reach`, if it meets any; the others wait. So a ray is made ready for
+/// primitives after it has met the root, and while it goes on from there.
+#[inline(always)]
+pub(crate) fn enter<S: Simd>(
+    waiting: &mut Stack<u64>,
+    nodes: &(impl Nodes + ?Sized),
+    simd: S,
+    ray: &NodeRay<S>,
+    reach: f32,
+) -> Option<Child> {
+    let (bits, near, children) = nodes.meet(simd, 0, ray, reach);
+    if bits == 0 {
+        None
+    } else if bits & (bits - 1) == 0 {
+        Some(Child::at(children, bits.trailing_zeros() as usize))
+    } else {
+        Some(nearest_first(bits, near.as_array(), children, waiting))
+    }
+}
+
+/// [`walk`] where some children wait already.
+#[inline(always)]
+pub(crate) fn walk_on<S: Simd>(
+    waiting: &mut Stack<u64>,
+    nodes: &(impl Nodes + ?Sized),
+    simd: S,
+    start: Child,
+    ray: &NodeRay<S>,
     mut reach: f32,
     mut leaf: impl FnMut(Range<usize>) -> f32,
 ) -> u32 {
-    let mut waiting = buffer.stack();
     let mut visited = 0;
     let mut child = start;
     loop {
@@ -260,12 +293,12 @@ pub(crate) fn walk_with<S: Simd, const WAIT: usize>(
                 child = if bits & (bits - 1) == 0 {
                     Child::at(children, bits.trailing_zeros() as usize)
                 } else {
-                    nearest_first(bits, near.as_array(), children, &mut waiting)
+                    nearest_first(bits, near.as_array(), children, waiting)
                 };
                 continue;
             }
         }
-        match next(&mut waiting, reach) {
+        match next(waiting, reach) {
             Some(next) => child = next,
             None => return visited,
         }
@@ -280,10 +313,43 @@ pub(crate) fn walk_any<S: Simd>(
     start: Child,
     ray: &NodeRay<S>,
     reach: f32,
-    mut leaf: impl FnMut(Range<usize>) -> bool,
+    leaf: impl FnMut(Range<usize>) -> bool,
 ) -> u32 {
     let mut buffer = StackBuffer::<u32, MOST_WAIT>::new();
-    let mut waiting = buffer.stack();
+    walk_any_on(&mut buffer.stack(), nodes, simd, start, ray, reach, leaf)
+}
+
+/// [`enter`] for any hit: the last child.
+#[inline(always)]
+pub(crate) fn enter_any<S: Simd>(
+    waiting: &mut Stack<u32>,
+    nodes: &(impl Nodes + ?Sized),
+    simd: S,
+    ray: &NodeRay<S>,
+    reach: f32,
+) -> Option<Child> {
+    let (bits, _, children) = nodes.meet(simd, 0, ray, reach);
+    (bits != 0).then(|| {
+        last_first(
+            bits,
+            children,
+            #[inline(always)]
+            |child| waiting.push(child.0),
+        )
+    })
+}
+
+/// [`walk_any`] where some children wait already.
+#[inline(always)]
+pub(crate) fn walk_any_on<S: Simd>(
+    waiting: &mut Stack<u32>,
+    nodes: &(impl Nodes + ?Sized),
+    simd: S,
+    start: Child,
+    ray: &NodeRay<S>,
+    reach: f32,
+    mut leaf: impl FnMut(Range<usize>) -> bool,
+) -> u32 {
     let mut visited = 0;
     let mut child = start;
     loop {

@@ -4,15 +4,15 @@
 //! Invariant: lanes that are left over repeat the block's first triangle, which changes no answer.
 //! Tests: `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
+use gnurt_simd::{Simd, f32x4, f32x8, f32x16, prelude::*};
 
 use crate::collect::Collect;
 use crate::hit::INVALID_ID;
+use crate::nearest::NOWHERE;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
 use crate::triangle::{
-    Sheared, ShearedRay, SingleRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges,
-    relative_to, shear,
+    Sheared, ShearedRay, SingleRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges, relative_to,
 };
 
 /// Triangles of a block, and children of a wide BVH's node.
@@ -42,11 +42,21 @@ impl<S: Simd> BlockRay<S> {
     /// `ray` must be valid and of regular length.
     #[inline(always)]
     pub fn new(simd: S, ray: &Ray) -> Self {
-        let axes = axes_from(ray.longest_axis());
+        Self::along(simd, ray, ray.longest_axis())
+    }
+
+    /// The same where the axis is known along which it moves most.
+    #[inline(always)]
+    pub fn along(simd: S, ray: &Ray, longest_axis: usize) -> Self {
+        let axes = axes_from(longest_axis);
         // Not by `map`, which would be a separate call.
         let [x, y, z] = axes;
         let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
-        let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
+        // As `shear`, in one division.
+        let [a, b, c] = dir;
+        let shear = f32x4::load_array(simd, [a, b, 1.0, 1.0]) / f32x4::splat(simd, c);
+        let shear = [shear[0], shear[1], shear[2]];
+        let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear };
         Self::sheared(simd, axes, SingleRay { sheared, dir }, ray.t_near)
     }
 
@@ -151,6 +161,12 @@ impl TriangleBlock {
     /// Offers the hits of `ray`.
     #[inline(always)]
     pub fn meet<S: Simd, C: Collect>(&self, simd: S, ray: &BlockRay<S>, slot: u32, collect: &mut C) {
+        self.meet_at(simd, ray, [slot, NOWHERE], collect);
+    }
+
+    /// The same, given the slot and the [place](crate::nearest::Nearest::place) of the first triangle.
+    #[inline(always)]
+    pub fn meet_at<S: Simd, C: Collect>(&self, simd: S, ray: &BlockRay<S>, whose: [u32; 2], collect: &mut C) {
         let [x, y, z] = ray.axes;
         let [a, b, c] = &self.corners;
         let a = [row(simd, &a[x]), row(simd, &a[y]), row(simd, &a[z])];
@@ -163,20 +179,27 @@ impl TriangleBlock {
             u64::MAX,
             collect,
             #[inline(always)]
-            |bits, hits, collect| self.offer(bits, hits, slot, collect),
+            |bits, hits, collect| self.offer(bits, hits, whose, collect),
             #[inline(always)]
-            |bits, hits, single, collect| self.meet_in_doubt(bits, hits, single, slot, collect),
+            |bits, hits, single, collect| self.meet_in_doubt(bits, hits, single, whose, collect),
         );
     }
 
     /// Offers the hits of lanes, by bits.
     #[inline(always)]
-    fn offer<C: Collect>(&self, mut bits: u64, [t, u, v]: &[[f32; WIDTH]; 3], slot: u32, collect: &mut C) {
+    fn offer<C: Collect>(
+        &self,
+        mut bits: u64,
+        [t, u, v]: &[[f32; WIDTH]; 3],
+        [slot, place]: [u32; 2],
+        collect: &mut C,
+    ) {
         while bits != 0 {
             let i = bits.trailing_zeros() as usize & 7;
             bits &= bits - 1;
             if t[i] <= collect.reach() {
-                collect.offer(TriangleHit { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
+                let hit = TriangleHit { t: t[i], u: u[i], v: v[i] };
+                collect.offer_at(hit, self.numbers[i], slot, place | i as u32);
             }
         }
     }
@@ -190,16 +213,16 @@ impl TriangleBlock {
         [bits, mut inside, mut uncertain]: [u64; 3],
         hits: &[[f32; WIDTH]; 3],
         (axes, ray, t_near): ([usize; 3], SingleRay, f32),
-        slot: u32,
+        [slot, place]: [u32; 2],
         collect: &mut C,
     ) {
-        self.offer(bits, hits, slot, collect);
+        self.offer(bits, hits, [slot, place], collect);
         while inside != 0 {
             let i = inside.trailing_zeros() as usize & 7;
             inside &= inside - 1;
             if let Some(triangle_hit) = meet_inside(&self.corners_of(i, axes), &ray, t_near, collect.reach())
             {
-                collect.offer(triangle_hit, self.numbers[i], slot);
+                collect.offer_at(triangle_hit, self.numbers[i], slot, place | i as u32);
             }
         }
         while uncertain != 0 {
@@ -207,7 +230,7 @@ impl TriangleBlock {
             uncertain &= uncertain - 1;
             let (corners, needs_position) = (self.corners_of(i, axes), collect.needs_position());
             if let Some(triangle_hit) = meet_single(&corners, &ray, needs_position, t_near, collect.reach()) {
-                collect.offer(triangle_hit, self.numbers[i], slot);
+                collect.offer_at(triangle_hit, self.numbers[i], slot, place | i as u32);
             }
         }
     }

@@ -19,6 +19,12 @@ pub trait Collect {
     /// Takes a hit at `t <= reach()`, in `[t_near, t_far]` of the ray.
     fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32);
 
+    /// The same of a triangle in a leaf block: see [`Nearest::place`].
+    #[inline(always)]
+    fn offer_at(&mut self, hit: TriangleHit, number: u32, slot: u32, _place: u32) {
+        self.offer(hit, number, slot);
+    }
+
     /// Whether the position of the hit matters, not only its existence.
     fn needs_position(&self) -> bool;
 
@@ -57,6 +63,11 @@ impl<M: Mode> Collect for Best<'_, M> {
     #[inline(always)]
     fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32) {
         self.0.offer::<M>(hit, number, slot);
+    }
+
+    #[inline(always)]
+    fn offer_at(&mut self, hit: TriangleHit, number: u32, slot: u32, place: u32) {
+        self.0.offer_at::<M>(hit, number, slot, place);
     }
 }
 

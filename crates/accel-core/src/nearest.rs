@@ -38,22 +38,31 @@ impl Mode for AnyHit {
 }
 
 /// A hit by numbers, or how far the ray reaches while nothing was hit.
+///
+/// The order of the fields is such that nothing makes one load of two that were stored one by one: the CPU would wait for that until
+/// they are in its cache.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Nearest {
     /// Ends the search beyond it; negative infinity after any hit was found.
     pub t: f32,
-    pub u: f32,
-    pub v: f32,
     /// Primitive in its object, [`INVALID_ID`] for none.
     pub number: u32,
+    pub u: f32,
     /// The object's index among all objects of the scene.
     pub slot: u32,
+    pub v: f32,
+    /// The triangle's leaf block times eight, and its lane, where the search tells; else [`NOWHERE`].
+    pub place: u32,
 }
+
+/// No place.
+pub const NOWHERE: u32 = u32::MAX;
 
 impl Nearest {
     #[inline(always)]
     pub fn none(t_far: f32) -> Self {
-        Self { t: t_far, u: 0.0, v: 0.0, number: INVALID_ID, slot: INVALID_ID }
+        Self { t: t_far, u: 0.0, v: 0.0, number: INVALID_ID, slot: INVALID_ID, place: NOWHERE }
     }
 
     #[inline(always)]
@@ -64,11 +73,17 @@ impl Nearest {
     /// Takes a hit at `t <= self.t` if it is better.
     #[inline(always)]
     pub fn offer<M: Mode>(&mut self, triangle_hit: TriangleHit, number: u32, slot: u32) {
+        self.offer_at::<M>(triangle_hit, number, slot, NOWHERE);
+    }
+
+    /// The same of a triangle in a leaf block.
+    #[inline(always)]
+    pub fn offer_at<M: Mode>(&mut self, triangle_hit: TriangleHit, number: u32, slot: u32, place: u32) {
         let TriangleHit { t, u, v } = triangle_hit;
         if M::ANY {
-            *self = Self { t: f32::NEG_INFINITY, u, v, number, slot };
+            *self = Self { t: f32::NEG_INFINITY, u, v, number, slot, place };
         } else if t < self.t || (t == self.t && (slot, number) < (self.slot, self.number)) {
-            *self = Self { t, u, v, number, slot };
+            *self = Self { t, u, v, number, slot, place };
         }
     }
 }
@@ -100,7 +115,7 @@ mod tests {
             [(1.0, 1, 5), (1.0, 1, 4), (1.0, 0, 9), (2.0, 0, 0), (f32::INFINITY, INVALID_ID, INVALID_ID)];
         for (t, slot, number) in hits {
             for (old_t, old_slot, old_number) in hits {
-                let mut best = Nearest { t: old_t, u: 0.0, v: 0.0, number: old_number, slot: old_slot };
+                let mut best = Nearest { number: old_number, slot: old_slot, ..Nearest::none(old_t) };
                 best.offer::<Closest>(TriangleHit { t, u: 0.0, v: 0.0 }, number, slot);
                 let taken = (best.t, best.slot, best.number) != (old_t, old_slot, old_number);
                 for level in Level::available() {

@@ -8,7 +8,10 @@ use std::borrow::Cow;
 ///
 /// `dir` need not be of unit length: `t` counts in multiples of it. A ray with a NaN, an infinite direction, an origin
 /// beyond [`Ray::FARTHEST_ORIGIN`], a zero direction or an empty interval hits nothing. `t_far` may be infinite.
+///
+/// The fields lie in memory as the first ones of Embree's `RTCRay` do, so that a ray of a C program is read where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Origin.
     pub org: [f32; 3],
@@ -17,12 +20,12 @@ pub struct Ray {
     pub t_near: f32,
     /// Direction, any length but zero. Of very short ones `t` may be beyond the greatest float, and then infinite.
     pub dir: [f32; 3],
+    /// The time at which it sees moving geometry, from 0 to 1; values beyond are clamped, NaN is 0.
+    pub time: f32,
     /// Largest parameter that counts as a hit, inclusive.
     pub t_far: f32,
     /// It sees an instance or a geometry where its mask and theirs have a bit in common.
     pub mask: u32,
-    /// The time at which it sees moving geometry, from 0 to 1; values beyond are clamped, NaN is 0.
-    pub time: f32,
 }
 
 impl Ray {
@@ -89,7 +92,12 @@ impl Ray {
     /// The axis along which it moves most; the first of equals.
     #[inline(always)]
     pub fn longest_axis(&self) -> usize {
-        let [x, y, z] = [self.dir[0].abs(), self.dir[1].abs(), self.dir[2].abs()];
+        Self::longest_of([self.dir[0].abs(), self.dir[1].abs(), self.dir[2].abs()])
+    }
+
+    /// That of the greatest of these numbers; the first of equals.
+    #[inline(always)]
+    pub fn longest_of([x, y, z]: [f32; 3]) -> usize {
         if x >= y && x >= z { 0 } else { 2 - usize::from(y >= z) }
     }
 

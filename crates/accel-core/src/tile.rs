@@ -12,7 +12,7 @@ use crate::aabb::Aabb;
 use crate::bits::TILE;
 use crate::direction_class::DirectionClass;
 use crate::hit::INVALID_ID;
-use crate::nearest::Nearest;
+use crate::nearest::{NOWHERE, Nearest};
 use crate::ray::Ray;
 use crate::ray_batch::RayBatch;
 
@@ -287,7 +287,14 @@ impl NearestTile {
     #[inline(always)]
     pub fn get(&self, i: usize) -> Nearest {
         let i = i & (TILE - 1);
-        Nearest { t: self.t[i], u: self.u[i], v: self.v[i], number: self.number[i], slot: self.slot[i] }
+        Nearest {
+            t: self.t[i],
+            u: self.u[i],
+            v: self.v[i],
+            number: self.number[i],
+            slot: self.slot[i],
+            place: NOWHERE,
+        }
     }
 
     /// Restores the lanes that [`RayTile::gather`] extracted.

@@ -10,7 +10,7 @@ use gnurt_simd::Simd;
 
 use crate::bits::each;
 use crate::collect::Collect;
-use crate::nearest::{AnyHit, Closest, Kind, Nearest};
+use crate::nearest::{AnyHit, Closest, Kind, NOWHERE, Nearest};
 use crate::query::Counters;
 use crate::ray::Ray;
 use crate::tile::{NearestTile, RayTile};
@@ -151,7 +151,7 @@ impl Collect for RayTraversal<'_> {
             RayKind::Any => self.nearest.offer::<AnyHit>(triangle_hit, number, slot),
             RayKind::Each(judge) => {
                 let TriangleHit { t, u, v } = triangle_hit;
-                self.nearest.t = judge(&Nearest { t, u, v, number, slot });
+                self.nearest.t = judge(&Nearest { t, u, v, number, slot, place: NOWHERE });
             }
         }
     }
@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn scaled_rays_find_unscaled_hits() {
-        let found = Nearest { t: 8.0, u: 0.25, v: 0.5, number: 7, slot: 3 };
+        let found = Nearest { u: 0.25, v: 0.5, number: 7, slot: 3, ..Nearest::none(8.0) };
         assert_eq!(scaled(RayKind::Closest, 9.0, true), found, "at four times the parameter");
         assert_eq!(scaled(RayKind::Any, 9.0, true).t, f32::NEG_INFINITY, "nothing more is wanted");
         let mut shown = Vec::new();

@@ -83,7 +83,7 @@ pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut V
         let (slot, number) = (surface.slot, surface.number);
         let at = |t: f64, u: f64, v: f64| {
             let [t, u, v] = [t, u, v].map(|x| x as f32);
-            Nearest { t, u, v, number, slot }
+            Nearest { u, v, number, slot, ..Nearest::none(t) }
         };
         match &surface.primitive {
             Primitive::Triangle(corners) => {

@@ -216,13 +216,20 @@ impl ObjectTree {
         }
     }
 
-    /// Its tree, where it has but one, over one mesh of triangles that `mask` sees.
+    /// Its tree, where it has but one, over triangles that `mask` sees.
     #[inline(always)]
     pub(crate) fn only_tree(&self, mask: u32) -> Option<&BvhIndex> {
         match &self.parts[..] {
-            [Part { index: Index::Bvh(index), mask: own, .. }] if own & mask != 0 && self.has_one_mesh() => {
-                Some(index)
-            }
+            [Part { index: Index::Bvh(index), mask: own, .. }] if own & mask != 0 => Some(index),
+            _ => None,
+        }
+    }
+
+    /// The corners of the triangle that was hit, where there is but one tree, which is of triangles.
+    #[inline(always)]
+    pub(crate) fn corners_met(&self, nearest: &Nearest) -> Option<[[f32; 3]; 3]> {
+        match &self.parts[..] {
+            [Part { index: Index::Bvh(index), .. }] => index.corners_of_place(nearest.place),
             _ => None,
         }
     }

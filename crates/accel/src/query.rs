@@ -10,7 +10,7 @@ use gnurt_accel_core::traversal::{RayKind, RayTraversal};
 use crate::candidates::{Sorted, is_better};
 use crate::engine::Engine;
 use crate::target::Target;
-use crate::{AnyRay, Counters, Hit, PointHit, Query, Ray};
+use crate::{AnyRay, Counters, Hit, ObjectTree, PointHit, Query, Ray};
 
 /// A single ray of a query.
 #[derive(Clone, Copy)]
@@ -21,18 +21,26 @@ pub(crate) struct One<'a> {
     origin: Option<&'a [f64; 3]>,
 }
 
+/// A hit, and the corners of its triangle where they are known.
+type HitWithCorners = (Hit, Option<[[f32; 3]; 3]>);
+
 impl One<'_> {
-    /// Into one tree of an object.
+    /// The closest hit in the only tree of an object; `None` if it has to be asked by the long way.
     #[inline(always)]
-    fn straight(self, tree: &BvhIndex, mut kind: RayKind, nearest: &mut Nearest) {
-        let Self { query, ray, origin } = self;
-        let counters = &mut Counters::default();
-        let traversal = &mut RayTraversal { ray, origin, kind: kind.again(), slot: 0, nearest, counters };
-        Engine::at(query.level).bvh.ray(tree, traversal);
+    fn straight_closest(self, tree: &BvhIndex) -> Option<Nearest> {
+        let mut nearest = Nearest::none(self.ray.t_far);
+        Engine::at(self.query.level).bvh.closest(tree, self.ray, &mut nearest).then_some(nearest)
+    }
+
+    /// Whether there is a hit; see [`straight_closest`](Self::straight_closest).
+    #[inline(always)]
+    fn straight_any(self, tree: &BvhIndex) -> Option<bool> {
+        let mut nearest = Nearest::none(self.ray.t_far);
+        Engine::at(self.query.level).bvh.any(tree, self.ray, &mut nearest).then(|| nearest.is_hit())
     }
 }
 
-impl Target<'_> {
+impl<'a> Target<'a> {
     /// Improves the result. Inlined into its three callers, each of which has a constant kind: single rays
     /// are short.
     #[inline(always)]
@@ -51,26 +59,18 @@ impl Target<'_> {
         }
     }
 
-    /// The tree that a ray can enter directly, as most single rays do: the target is just one mesh of
-    /// triangles.
+    /// The tree that a ray can enter directly, as most single rays do, and its object: the target has no other.
     #[inline(always)]
-    fn only_tree(&self, One { query, ray, .. }: One) -> Option<&BvhIndex> {
+    fn only_tree(self, One { query, ray, .. }: One) -> Option<(&'a ObjectTree, &'a BvhIndex)> {
         match self {
-            Self::Object(object) if ray.is_sound() && ray.is_regular() => {
-                object.only_tree(ray.mask & query.mask)
-            }
-            _ => None,
+            Self::Object(object) => Some((object, object.only_tree(ray.mask & query.mask)?)),
+            Self::Scene(_) => None,
         }
     }
 
     #[inline(never)]
     fn closest_of(self, one: One) -> Option<Hit> {
         let mut nearest = Nearest::none(one.ray.t_far);
-        if let Some(tree) = self.only_tree(one) {
-            one.straight(tree, RayKind::Closest, &mut nearest);
-            let Nearest { t, u, v, number: prim_id, .. } = nearest;
-            return nearest.is_hit().then_some(Hit { t, u, v, prim_id, geom_id: 0, inst_id: 0, leaf_id: 0 });
-        }
         self.trace(one, RayKind::Closest, &mut nearest);
         if !nearest.is_hit() {
             return None;
@@ -83,13 +83,23 @@ impl Target<'_> {
         }
     }
 
+    /// The same with the corners of the triangle, where its object has but one tree, which is of triangles.
+    #[inline(never)]
+    fn closest_with_corners_of(self, one: One) -> Option<HitWithCorners> {
+        let mut nearest = Nearest::none(one.ray.t_far);
+        self.trace(one, RayKind::Closest, &mut nearest);
+        if !nearest.is_hit() {
+            return None;
+        }
+        Some(match self {
+            Self::Object(object) => (object.resolve(&nearest, 0, 0), object.corners_met(&nearest)),
+            Self::Scene(scene) => (scene.resolve(&nearest), scene.corners_met(&nearest)),
+        })
+    }
+
     #[inline(never)]
     fn any_of(self, one: One) -> bool {
         let mut nearest = Nearest::none(one.ray.t_far);
-        if let Some(tree) = self.only_tree(one) {
-            one.straight(tree, RayKind::Any, &mut nearest);
-            return nearest.is_hit();
-        }
         self.trace(one, RayKind::Any, &mut nearest);
         nearest.is_hit()
     }
@@ -100,16 +110,46 @@ impl Target<'_> {
         self.trace(one, RayKind::Each(&mut |found| judge(self.hit(found))), &mut nearest);
     }
 
-    /// The closest hit.
-    #[inline]
+    /// The closest hit; inlined as [`closest_directly`](Self::closest_directly) is.
+    #[inline(always)]
     pub(crate) fn closest(self, query: &Query, ray: &impl AnyRay) -> Option<Hit> {
-        self.closest_of(One { query, ray: &ray.rounded(), origin: ray.origin64().as_ref() })
+        let (rounded, origin) = (ray.rounded(), ray.origin64());
+        let one = One { query, ray: &rounded, origin: origin.as_ref() };
+        if let Some((object, tree)) = self.only_tree(one)
+            && let Some(nearest) = one.straight_closest(tree)
+        {
+            return nearest.is_hit().then(|| object.resolve(&nearest, 0, 0));
+        }
+        self.closest_of(one)
     }
 
-    /// Whether there is a hit.
+    /// The same with the corners of the triangle.
     #[inline]
+    pub(crate) fn closest_with_corners(self, query: &Query, ray: &impl AnyRay) -> Option<HitWithCorners> {
+        self.closest_with_corners_of(One { query, ray: &ray.rounded(), origin: ray.origin64().as_ref() })
+    }
+
+    /// The same if the ray can enter an only tree directly; else `None`. Inlined into the caller: there a call more is a tenth of
+    /// the time of a ray that misses. Apart from other ways, with which its result would go through memory.
+    #[inline(always)]
+    pub(crate) fn closest_directly(self, query: &Query, ray: &impl AnyRay) -> Option<Option<HitWithCorners>> {
+        let (rounded, origin) = (ray.rounded(), ray.origin64());
+        let one = One { query, ray: &rounded, origin: origin.as_ref() };
+        let (object, tree) = self.only_tree(one)?;
+        let nearest = one.straight_closest(tree)?;
+        let corners = || tree.corners_of_place(nearest.place);
+        Some(nearest.is_hit().then(|| (object.resolve(&nearest, 0, 0), corners())))
+    }
+
+    /// Whether there is a hit; inlined as [`closest_directly`](Self::closest_directly) is.
+    #[inline(always)]
     pub(crate) fn any(self, query: &Query, ray: &impl AnyRay) -> bool {
-        self.any_of(One { query, ray: &ray.rounded(), origin: ray.origin64().as_ref() })
+        let (rounded, origin) = (ray.rounded(), ray.origin64());
+        let one = One { query, ray: &rounded, origin: origin.as_ref() };
+        match self.only_tree(one).and_then(|(_, tree)| one.straight_any(tree)) {
+            Some(is_hit) => is_hit,
+            None => self.any_of(one),
+        }
     }
 
     /// The closest hit that `accept` lets pass.

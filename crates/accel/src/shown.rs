@@ -27,7 +27,7 @@ impl Target<'_> {
 
     /// Ids of a primitive.
     pub(crate) fn named(self, slot: u32, number: u32) -> PrimitiveId {
-        self.hit(&Nearest { t: 0.0, u: 0.0, v: 0.0, number, slot }).primitive()
+        self.hit(&Nearest { number, slot, ..Nearest::none(0.0) }).primitive()
     }
 
     /// The normal of a hit at a time, of any length; of spheres, if the hit point is given.

@@ -18,7 +18,8 @@ mod stack;
 mod token;
 
 pub use fearless_simd::{
-    SimdFloat, f32x4, f32x8, f32x16, f64x8, i32x16, mask32x4, mask32x8, mask32x16, prelude, u32x8, u32x16,
+    SimdFloat, f32x4, f32x8, f32x16, f64x8, i32x4, i32x16, mask32x4, mask32x8, mask32x16, prelude, u32x8,
+    u32x16,
 };
 pub use level::{Level, UnknownLevel};
 pub use memory::{prefer_huge_pages, prefetch};

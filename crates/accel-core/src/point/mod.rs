@@ -71,7 +71,7 @@ impl Near {
     pub fn hit(&self, point: [f64; 3], resolve: impl FnOnce(&Nearest) -> Hit) -> PointHit {
         let [u, v] = self.uv.map(|x| x as f32);
         let Hit { u, v, prim_id, geom_id, inst_id, leaf_id, .. } =
-            resolve(&Nearest { t: 0.0, u, v, number: self.number, slot: self.slot });
+            resolve(&Nearest { u, v, number: self.number, slot: self.slot, ..Nearest::none(0.0) });
         let point = [0, 1, 2].map(|k| point[k] + self.offset[k]);
         PointHit { distance: self.distance, point, u, v, prim_id, geom_id, inst_id, leaf_id }
     }

@@ -40,6 +40,32 @@ macro_rules! queries {
                 self.target().any(query, ray)
             }
 
+            /// The closest hit; and the corners of the triangle or half of a quad that was hit, in its object's space, as the
+            /// tree has them. `None` for other primitives, for those that move, and in objects of several trees or a compact one:
+            /// those are not at hand.
+            #[must_use]
+            #[inline]
+            pub fn intersect_with_corners(
+                &self,
+                query: &Query,
+                ray: &impl AnyRay,
+            ) -> Option<(Hit, Option<[[f32; 3]; 3]>)> {
+                self.target().closest_with_corners(query, ray)
+            }
+
+            /// The answer of [`intersect_with_corners`](Self::intersect_with_corners) if it is found by the shortest way: of a valid ray
+            /// with an object of one tree, over triangles and not compact. `None` elsewhere, which is decided in few
+            /// instructions. Inlined: for callers that are called for each ray.
+            #[must_use]
+            #[inline(always)]
+            pub fn intersect_directly(
+                &self,
+                query: &Query,
+                ray: &impl AnyRay,
+            ) -> Option<Option<(Hit, Option<[[f32; 3]; 3]>)>> {
+                self.target().closest_directly(query, ray)
+            }
+
             /// The closest hit that `accept` lets pass.
             ///
             /// The callback gets hits in any order, more than once where a tree lists a primitive in several

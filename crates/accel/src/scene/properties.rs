@@ -132,6 +132,12 @@ impl SceneTree {
         object.resolve(nearest, inst_id, nearest.slot)
     }
 
+    /// The corners of the triangle that was hit, in its object's space, where that has but one tree, which is of triangles.
+    #[inline]
+    pub(crate) fn corners_met(&self, nearest: &Nearest) -> Option<[[f32; 3]; 3]> {
+        self.object_at(nearest.slot).1.corners_met(nearest)
+    }
+
     /// Writes the hits of those rays of a tile that are in `bits`, the tile's first ray to lane `first`.
     pub(crate) fn write(&self, nearest: &NearestTile, bits: u64, first: usize, hits: &mut HitBatch) {
         // Neighbours often hit the same object.

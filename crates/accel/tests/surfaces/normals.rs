@@ -54,6 +54,40 @@ fn normals_are_those_of_the_corners() {
 }
 
 #[test]
+fn corners_come_with_hits() {
+    let (mut random, query, mut known) = (Random::new(5), Query::default(), [0; 2]);
+    for (kind, _) in TESTS {
+        let all = [Soup::random(3, 300, 0.4), closed::cube(1)];
+        // Of one mesh, and so on the shortest way; and of two.
+        for tree in [build(&all[..1], kind), build(&all, kind)] {
+            let (tree, aside) = (Arc::new(tree), [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.25, 0., 0.]]);
+            let scene = scene_of(&[Instance::new(Arc::clone(&tree), aside)]);
+            for i in 0..300 {
+                let (from, to) = (random.point(), random.point());
+                // Some are scaled before they are traced, and some hit nothing.
+                let length = [1.0, 1e-30, 1e20, f32::NAN, 0.0][if i % 10 < 5 { i % 10 } else { 0 }];
+                let ray =
+                    Ray::new(from.map(|x| 3.0 * x), [0, 1, 2].map(|k| length * (to[k] - 3.0 * from[k])));
+                let ray = if i % 20 == 19 { ray.within(2.0, 1.0) } else { ray };
+                let answers = [
+                    (tree.intersect_with_corners(&query, &ray), tree.intersect(&ray), tree.occluded(&ray)),
+                    (scene.intersect_with_corners(&query, &ray), scene.intersect(&ray), scene.occluded(&ray)),
+                ];
+                for (which, (found, hit, any)) in answers.into_iter().enumerate() {
+                    assert_eq!((found.map(|(hit, _)| hit), any), (hit, hit.is_some()), "{ray:?} {kind:?}");
+                    if let Some((hit, Some(corners))) = found {
+                        known[which] += 1;
+                        let expected = all[hit.geom_id as usize].corners(hit.prim_id as usize);
+                        assert_eq!(Some(corners), expected, "of {hit:?}, {kind:?}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(known.iter().all(|&known| known > 500), "fast trees of triangles have them: {known:?}");
+}
+
+#[test]
 fn kinds_and_instances() {
     let positions = [[0., 0., 0.], [2., 0., 0.], [2., 2., 1.], [0., 2., 0.]];
     let quad = Quads { positions: &positions, indices: &[[0, 1, 2, 3]] };
