@@ -18,6 +18,9 @@ use crate::ray_scene::{Built, RayScene, query_tree};
 /// Rays that are gathered at a time.
 const SHARE: usize = 1 << 16;
 
+/// As many rays or fewer are traced where they are: lists of them and of their hits would take longer than they do.
+const FEW: usize = 8;
+
 /// `gnurt_rays`.
 #[repr(C)]
 #[derive(Debug)]
@@ -104,6 +107,23 @@ impl Rays {
         }
     }
 
+    /// In single precision. Not by way of the other: a value that was just written in parts would be read as a whole.
+    #[inline(always)]
+    fn single(&self, i: usize) -> Ray {
+        let number = |rows: &Option<Rows>, none: f32| {
+            rows.as_ref().map_or(none, |rows| rows.numbers::<1>(i)[0] as f32)
+        };
+        let ([x, y, z], [a, b, c]) = (self.origins.numbers(i), self.directions.numbers(i));
+        Ray {
+            org: [x as f32, y as f32, z as f32],
+            t_near: number(&self.t_near, 0.0),
+            dir: [a as f32, b as f32, c as f32],
+            time: 0.0,
+            t_far: number(&self.t_far, f32::INFINITY),
+            mask: self.masks.as_ref().map_or(u32::MAX, |rows| rows.mask(i)),
+        }
+    }
+
     /// In double precision.
     fn double(&self, i: usize) -> DoubleRay {
         let number =
@@ -121,16 +141,16 @@ impl Rays {
         range.clone().map(|i| self.double(i)).collect()
     }
 
+    /// Whether they are traced where they are.
+    fn are_few(&self, ray_query: &RayQuery) -> bool {
+        self.count <= FEW && ray_query.filter.is_none()
+    }
+
     /// In parts of this many rays.
     fn parts(&self, size: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
         let count = self.count;
         (0..count).step_by(size).map(move |first| first..(first + size).min(count))
     }
-}
-
-fn single(ray: Ray64) -> Ray {
-    let Ray64 { org, t_near, dir, t_far, mask, time } = ray;
-    Ray { org: org.map(|x| x as f32), t_near, dir, t_far, mask, time }
 }
 
 /// The kind of query.
@@ -275,6 +295,46 @@ fn written(built: &Built, hit_arrays: &HitArrays, hit: &Found, at: impl FnOnce()
     Written { t, u, v, prim_id, geom_id, inst_id, normal }
 }
 
+/// The closest hit of one ray, without lists.
+fn closest(built: &Built, rays: &Rays, query: &Query, i: usize) -> Option<Found> {
+    if let Some(scene) = &built.doubles {
+        return scene.intersect(&rays.double(i)).map(Found::from);
+    }
+    let hit = match rays.origins.is_double() {
+        true => query_tree!(built, tree => tree.intersect_with(query, &rays.get(i))),
+        false => query_tree!(built, tree => tree.intersect_with(query, &rays.single(i))),
+    };
+    hit.map(Found::from)
+}
+
+/// Whether one ray hits anything, without lists.
+fn any(built: &Built, rays: &Rays, query: &Query, i: usize) -> bool {
+    match &built.doubles {
+        Some(scene) => scene.occluded(&rays.double(i)),
+        None => query_tree!(built, tree => tree.occluded_with(query, &rays.get(i))),
+    }
+}
+
+/// A hit of a batch, field by field.
+#[inline(always)]
+fn found_at(hits: &HitBatch, i: usize) -> Option<Found> {
+    (hits.prim_id[i] != u32::MAX).then(|| Found {
+        t: hits.t[i].into(),
+        u: hits.u[i].into(),
+        v: hits.v[i].into(),
+        prim_id: hits.prim_id[i],
+        geom_id: hits.geom_id[i],
+        inst_id: hits.inst_id[i],
+        leaf_id: hits.leaf_id[i],
+    })
+}
+
+/// Queries each of a few rays. Apart from [`trace`], where more code makes copies of many rays slower.
+#[inline(never)]
+fn trace_few(built: &Built, rays: &Rays, query: &Query, take: &mut dyn FnMut(usize, Option<Found>)) {
+    (0..rays.count).for_each(|i| take(i, closest(built, rays, query, i)));
+}
+
 /// Queries each part of the rays.
 fn trace(
     built: &Built,
@@ -283,6 +343,9 @@ fn trace(
     threads: Threads,
     mut take: impl FnMut(usize, Option<Found>),
 ) {
+    if rays.are_few(ray_query) {
+        return trace_few(built, rays, &ray_query.query, &mut take);
+    }
     let mut hits = HitBatch::default();
     for range in rays.parts(if ray_query.filter.is_some() { 4096 } else { SHARE }) {
         if let Some(filter) = ray_query.filter {
@@ -299,10 +362,10 @@ fn trace(
             let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
             query_tree!(built, tree => tree.intersect_rays(&ray_query.query, &part, threads, &mut hits));
         } else {
-            let part: Vec<Ray> = range.clone().map(|i| single(rays.get(i))).collect();
+            let part: Vec<Ray> = range.clone().map(|i| rays.single(i)).collect();
             query_tree!(built, tree => tree.intersect_rays(&ray_query.query, &part, threads, &mut hits));
         }
-        range.clone().for_each(|i| take(i, hits.get(i - range.start).map(Found::from)));
+        range.clone().for_each(|i| take(i, found_at(&hits, i - range.start)));
     }
 }
 
@@ -422,6 +485,9 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_occluded(
         with_threads(ray_query.threads, rays.count, |threads| {
             if ray_query.filter.is_some() {
                 return trace(built, &rays, ray_query, threads, |i, hit| set(i, hit.is_some()));
+            }
+            if rays.are_few(ray_query) {
+                return (0..rays.count).for_each(|i| set(i, any(built, &rays, &ray_query.query, i)));
             }
             let mut answers = Vec::new();
             for range in rays.parts(SHARE) {

@@ -412,6 +412,68 @@ static void solids(void)
     gnurt_scene_free(cube);
 }
 
+/* Few rays are traced without lists; answers are those of many in one call. */
+static void few(void)
+{
+    enum { MOST = 12 };
+    for (int kind = 0; kind < 4; kind++) {
+        gnurt_scene *shown = new_soup(), *scene = shown;
+        static float floats[RAYS][3];
+        for (int i = 0; i < RAYS; i++)
+            for (int k = 0; k < 3; k++)
+                floats[i][k] = (float)asked[i].org[k];
+        if (kind == 1) { /* an instance in a scene */
+            scene = gnurt_scene_new();
+            double place[12] = { 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.25, 0.1, 0.3 };
+            OK(gnurt_add_instance(scene, shown, place, ~0u, NULL));
+            OK(gnurt_commit(scene));
+        } else if (kind == 2) {
+            gnurt_build build = { 1, 0, 0, 0, 1, 1 }; /* doubles */
+            scene = gnurt_scene_new();
+            OK(gnurt_scene_options(scene, &build));
+            OK(gnurt_add_triangles(scene, rows(soup, 3 * TRIANGLES, sizeof *soup, GNURT_F32),
+                                   rows(soup_indices, TRIANGLES, 0, GNURT_U64), 3, NULL));
+            OK(gnurt_commit(scene));
+        }
+        gnurt_rays all = rays(RAYS);
+        if (kind == 3)
+            all.origins = rows(floats, RAYS, 0, GNURT_F32);
+        static struct found few_found[RAYS];
+        uint8_t any[RAYS], few_any[RAYS];
+        uint32_t path[RAYS], few_path[RAYS];
+        gnurt_hits to = places(found);
+        memset(found, 0xff, sizeof found), memset(few_found, 0xfe, sizeof few_found);
+        OK(gnurt_intersect_paths(scene, &all, NULL, &to, 1, path));
+        OK(gnurt_occluded(scene, &all, NULL, any));
+        size_t count = 1;
+        int hits = 0;
+        for (size_t from = 0; from < RAYS; from += count, count = count % MOST + 1) {
+            size_t some = count < RAYS - from ? count : RAYS - from;
+            gnurt_rays part = all;
+            part.count = some;
+            gnurt_array *arrays[] = { &part.origins, &part.directions, &part.t_far, &part.masks };
+            for (int k = 0; k < 4; k++) {
+                size_t wide = arrays[k] == &part.origins && kind == 3 ? sizeof *floats : sizeof *asked;
+                arrays[k]->data = (const char *)arrays[k]->data + from * wide;
+                arrays[k]->count = some;
+            }
+            gnurt_hits into = places(few_found + from);
+            OK(gnurt_intersect_paths(scene, &part, NULL, &into, 1, few_path + from));
+            OK(gnurt_occluded(scene, &part, NULL, few_any + from));
+        }
+        for (int i = 0; i < RAYS; i++) {
+            hits += found[i].t < INFINITY;
+            CHECK(!memcmp(&found[i], &few_found[i], sizeof *found), "kind %d, ray %d: %g and %g", kind, i, found[i].t,
+                  few_found[i].t);
+            CHECK(any[i] == few_any[i] && path[i] == few_path[i], "kind %d, ray %d: any hit, path", kind, i);
+        }
+        CHECK(hits > 50, "%d hits", hits);
+        if (scene != shown)
+            gnurt_scene_free(scene);
+        gnurt_scene_free(shown);
+    }
+}
+
 static void errors(void)
 {
     gnurt_scene *scene = gnurt_scene_new();
@@ -456,6 +518,7 @@ int main(void)
     strands();
     scenes_in_scenes();
     solids();
+    few();
     errors();
     return finish();
 }
