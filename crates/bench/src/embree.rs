@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Embree as a program uses it: rays from the same arrays into its structures, a call, results read back.
+//! Embree as a program uses it: one ray a call where they lie in its structures; packets with rays that are copied from arrays, and
+//! results read back.
 //! Tests: `tests::finds_the_triangle` (where `EMBREE4_LIB` names a library).
 
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use gnurt::accel::{INVALID_ID, RayBatch};
 use gnurt::simd::Level;
 
 use crate::Error;
-use crate::ffi_embree::{Active, Arguments, Device, Library, Packet, Scene};
+use crate::ffi_embree::{Active, Arguments, Device, Library, OneRay, Packet, Scene};
 use crate::job::{EmbreeKind, Packets};
 use crate::timing::{Answers, Engine};
 
@@ -80,10 +81,34 @@ pub(crate) struct EmbreeEngine<'a> {
 }
 
 impl Engine for EmbreeEngine<'_> {
+    fn make_ready(&self, rays: &RayBatch, answers: &mut Answers) {
+        if self.packets.size == 1 {
+            answers.embree_rays.clear();
+            answers.embree_rays.extend((0..rays.len()).map(|i| OneRay::new(&rays.get(i))));
+        }
+    }
+
+    fn read_back(&self, any: bool, answers: &mut Answers) {
+        if self.packets.size != 1 {
+            return;
+        }
+        answers.resize(answers.embree_rays.len());
+        for (i, ray) in answers.embree_rays.iter().enumerate() {
+            if any {
+                answers.occluded[i] = ray.is_occluded();
+            } else {
+                (answers.hits.t[i], answers.hits.prim_id[i]) =
+                    ray.hit().unwrap_or((f32::INFINITY, INVALID_ID));
+            }
+        }
+    }
+
     fn closest(&self, rays: &RayBatch, answers: &mut Answers) {
         let arguments = Arguments::new(self.packets.coherent);
         match self.packets.size {
-            1 => closest::<1>(self.scene, &arguments, rays, answers),
+            1 => {
+                answers.embree_rays.iter_mut().for_each(|ray| self.scene.intersect_one(ray, &arguments));
+            }
             4 => closest::<4>(self.scene, &arguments, rays, answers),
             8 => closest::<8>(self.scene, &arguments, rays, answers),
             _ => closest::<16>(self.scene, &arguments, rays, answers),
@@ -93,7 +118,9 @@ impl Engine for EmbreeEngine<'_> {
     fn any(&self, rays: &RayBatch, answers: &mut Answers) {
         let arguments = Arguments::new(self.packets.coherent);
         match self.packets.size {
-            1 => any::<1>(self.scene, &arguments, rays, answers),
+            1 => {
+                answers.embree_rays.iter_mut().for_each(|ray| self.scene.occluded_one(ray, &arguments));
+            }
             4 => any::<4>(self.scene, &arguments, rays, answers),
             8 => any::<8>(self.scene, &arguments, rays, answers),
             _ => any::<16>(self.scene, &arguments, rays, answers),
@@ -172,6 +199,7 @@ pub(crate) fn embree_of_tests() -> Option<EmbreeLibrary> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::timing::ask;
     use gnurt::accel::Ray;
 
     #[test]
@@ -198,8 +226,9 @@ mod tests {
             for size in [1, 4, 8, 16].into_iter().filter(|&size| device.has_packets(size)) {
                 let mut answers = Answers::default();
                 let engine = EmbreeEngine { scene: &scene, packets: Packets { size, coherent: size == 8 } };
-                engine.closest(&rays, &mut answers);
-                engine.any(&rays, &mut answers);
+                for any in [false, true] {
+                    ask(&engine, any, &rays, &mut answers);
+                }
                 for i in 0..19 {
                     let is_hit = i < 16;
                     assert_eq!(answers.occluded[i], is_hit, "ray {i} of {size} at once");

@@ -14,6 +14,8 @@ use std::path::Path;
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicI64, Ordering};
 
+use gnurt::accel::Ray;
+
 pub(crate) type Handle = *mut c_void;
 
 /// `RTCRayHit` (N = 1), `RTCRayHit4`, `RTCRayHit8`, `RTCRayHit16`: rows of N values, the ray first.
@@ -58,6 +60,61 @@ impl<const N: usize> Packet<N> {
             inst_id: [u32::MAX; N],
             inst_prim_id: [u32::MAX; N],
         }
+    }
+}
+
+/// `RTCRayHit`, without gaps in lists of them.
+#[derive(Debug)]
+#[repr(C, align(16))]
+pub(crate) struct OneRay(One);
+
+/// Its fields: those of a packet of one.
+#[derive(Debug)]
+#[repr(C)]
+struct One {
+    org: [f32; 3],
+    t_near: f32,
+    dir: [f32; 3],
+    time: f32,
+    t_far: f32,
+    mask: u32,
+    id_and_flags: [u32; 2],
+    normal: [f32; 3],
+    uv: [f32; 2],
+    prim_id: u32,
+    geom_id: u32,
+    inst_id: u32,
+    inst_prim_id: u32,
+}
+
+impl OneRay {
+    pub(crate) fn new(ray: &Ray) -> Self {
+        let none = u32::MAX;
+        Self(One {
+            org: ray.org,
+            t_near: ray.t_near,
+            dir: ray.dir,
+            time: ray.time,
+            t_far: ray.t_far,
+            mask: ray.mask,
+            id_and_flags: [0; 2],
+            normal: [0.0; 3],
+            uv: [0.0; 2],
+            prim_id: none,
+            geom_id: none,
+            inst_id: none,
+            inst_prim_id: none,
+        })
+    }
+
+    /// Distance and primitive of the closest hit.
+    pub(crate) fn hit(&self) -> Option<(f32, u32)> {
+        (self.0.geom_id != u32::MAX).then_some((self.0.t_far, self.0.prim_id))
+    }
+
+    /// Whether any was found.
+    pub(crate) fn is_occluded(&self) -> bool {
+        self.0.t_far == f32::NEG_INFINITY
     }
 }
 
@@ -383,6 +440,20 @@ impl<'a> Scene<'a> {
         Self { library, raw, arrays: PhantomData }
     }
 
+    /// The closest hit of one ray.
+    #[inline(always)]
+    pub(crate) fn intersect_one(&self, ray: &mut OneRay, arguments: &Arguments) {
+        // SAFETY: layout and alignment are those of RTCRayHit.
+        unsafe { (self.library.intersect1)(self.raw, std::ptr::from_mut(ray).cast(), arguments) }
+    }
+
+    /// Any hit of one ray.
+    #[inline(always)]
+    pub(crate) fn occluded_one(&self, ray: &mut OneRay, arguments: &Arguments) {
+        // SAFETY: it begins with an RTCRay, and only that is used here.
+        unsafe { (self.library.occluded1)(self.raw, std::ptr::from_mut(ray).cast(), arguments) }
+    }
+
     /// Closest hits; `N` is 1, 4, 8 or 16.
     #[inline(always)]
     pub(crate) fn intersect<const N: usize>(
@@ -520,6 +591,8 @@ mod tests {
         assert_eq!(offset_of!(Packet<16>, normal), 16 * 48, "RTCRayHit16: the hit follows the ray");
         assert_eq!(size_of::<Packet<16>>(), 21 * 64, "RTCRayHit16: 21 rows");
         assert!(size_of::<Packet<1>>() >= 96, "RTCRayHit: with its padding");
+        assert_eq!((size_of::<OneRay>(), offset_of!(One, t_far)), (96, 32), "RTCRayHit, and its tfar");
+        assert_eq!((offset_of!(One, normal), offset_of!(One, geom_id)), (48, 48 + 24), "RTCHit: geomID");
         assert_eq!(offset_of!(Arguments, context), 8, "two numbers before the pointers");
     }
 }

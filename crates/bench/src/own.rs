@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Our trees, queried as by a program.
 
-use gnurt::accel::{Coherence, INVALID_ID, ObjectTree, Query, Ray, RayBatch};
+use gnurt::accel::{Coherence, INVALID_ID, ObjectTree, Query, RayBatch};
 use gnurt::simd::Level;
 
 use crate::job::QueryKind;
@@ -20,21 +20,14 @@ impl OwnEngine<'_> {
     }
 }
 
-/// Takes the rays out one by one, for as little as it costs to take them out for Embree.
-#[inline(always)]
-fn each(rays: &RayBatch, mut run_query: impl FnMut(usize, Ray)) {
-    let count = rays.len();
-    let ([x, y, z], [dx, dy, dz]) = (&rays.org, &rays.dir);
-    let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-    let (dx, dy, dz) = (&dx[..count], &dy[..count], &dz[..count]);
-    let (t_near, t_far) = (&rays.t_near[..count], &rays.t_far[..count]);
-    for i in 0..count {
-        let ray = Ray::new([x[i], y[i], z[i]], [dx[i], dy[i], dz[i]]);
-        run_query(i, ray.within(t_near[i], t_far[i]));
-    }
-}
-
 impl Engine for OwnEngine<'_> {
+    fn make_ready(&self, rays: &RayBatch, answers: &mut Answers) {
+        if matches!(self.query_kind, QueryKind::One) {
+            answers.own_rays.clear();
+            answers.own_rays.extend((0..rays.len()).map(|i| rays.get(i)));
+        }
+    }
+
     fn closest(&self, rays: &RayBatch, answers: &mut Answers) {
         match self.query_kind {
             QueryKind::Batch(coherence) => {
@@ -46,10 +39,10 @@ impl Engine for OwnEngine<'_> {
                 answers.resize(rays.len());
                 let (t, prim_id) =
                     (&mut answers.hits.t[..rays.len()], &mut answers.hits.prim_id[..rays.len()]);
-                each(rays, |i, ray| {
-                    let hit = self.tree.intersect_with(&query, &ray);
-                    (t[i], prim_id[i]) = hit.map_or((f32::INFINITY, INVALID_ID), |hit| (hit.t, hit.prim_id));
-                });
+                for ((ray, t), prim_id) in answers.own_rays.iter().zip(t).zip(prim_id) {
+                    let hit = self.tree.intersect_with(&query, ray);
+                    (*t, *prim_id) = hit.map_or((f32::INFINITY, INVALID_ID), |hit| (hit.t, hit.prim_id));
+                }
             }
         }
     }
@@ -64,7 +57,9 @@ impl Engine for OwnEngine<'_> {
                 let query = self.query(Coherence::default());
                 answers.resize(rays.len());
                 let occluded = &mut answers.occluded[..rays.len()];
-                each(rays, |i, ray| occluded[i] = self.tree.occluded_with(&query, &ray));
+                for (ray, occluded) in answers.own_rays.iter().zip(occluded) {
+                    *occluded = self.tree.occluded_with(&query, ray);
+                }
             }
         }
     }

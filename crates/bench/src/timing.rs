@@ -10,10 +10,16 @@ use std::time::Instant;
 use gnurt::accel::{HitBatch, INVALID_ID, Ray, RayBatch, Record, Triangles};
 
 use crate::clock::thread_seconds;
+use crate::ffi_embree::OneRay;
 use crate::pin::Pinned;
 
 /// Something that answers rays.
 pub trait Engine: Sync {
+    /// Makes rays ready that are asked about one by one. This and [`read_back`](Self::read_back) are not counted: a program has its
+    /// rays in the form of the engine that it uses.
+    fn make_ready(&self, _rays: &RayBatch, _answers: &mut Answers) {}
+    /// Reads back the answers to such rays.
+    fn read_back(&self, _any: bool, _answers: &mut Answers) {}
     /// Closest hits: fills `t` and `prim_id` of `answers.hits`; [`INVALID_ID`] for a hit where it does not
     /// know which.
     fn closest(&self, rays: &RayBatch, answers: &mut Answers);
@@ -29,6 +35,9 @@ pub struct Answers {
     /// Whether anything is hit.
     pub occluded: Vec<bool>,
     pub(crate) record: Record,
+    /// Rays of calls for one ray each, in the form of either side.
+    pub(crate) own_rays: Vec<Ray>,
+    pub(crate) embree_rays: Vec<OneRay>,
 }
 
 impl Answers {
@@ -82,11 +91,18 @@ pub(crate) struct Seconds {
 fn run_query(engine: &dyn Engine, any: bool, chunk: &RayBatch, answers: &mut Answers) {
     if any {
         engine.any(chunk, answers);
-        black_box(&answers.occluded);
+        black_box((&answers.occluded, &answers.embree_rays));
     } else {
         engine.closest(chunk, answers);
-        black_box(&answers.hits);
+        black_box((&answers.hits, &answers.embree_rays));
     }
+}
+
+/// All of a query, for its answers.
+pub(crate) fn ask(engine: &dyn Engine, any: bool, chunk: &RayBatch, answers: &mut Answers) {
+    engine.make_ready(chunk, answers);
+    run_query(engine, any, chunk, answers);
+    engine.read_back(any, answers);
 }
 
 /// One run over all rays, each thread on its own core.
@@ -97,11 +113,16 @@ pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds 
         let _pinned = Pinned::thread(thread, threads);
         let mut answers = Answers::default();
         barrier.wait();
-        let (start, before) = (Instant::now(), thread_seconds());
+        let (mut cpu, mut wall_time) = (0.0, 0.0);
         while let Some(chunk) = rays.chunks.get(next.fetch_add(1, Ordering::Relaxed)) {
+            engine.make_ready(chunk, &mut answers);
+            let (start, before) = (Instant::now(), thread_seconds());
             run_query(engine, rays.any, chunk, &mut answers);
+            cpu += thread_seconds() - before;
+            wall_time += start.elapsed().as_secs_f64();
+            engine.read_back(rays.any, &mut answers);
         }
-        (thread_seconds() - before, start.elapsed().as_secs_f64())
+        (cpu, wall_time)
     };
     let times: Vec<(f64, f64)> = if threads == 1 {
         vec![work(0)]
@@ -132,7 +153,7 @@ pub(crate) fn answers(engine: &dyn Engine, rays: &Rays) -> Answered {
     let mut all = Answered::default();
     let mut answers = Answers::default();
     for chunk in &rays.chunks {
-        run_query(engine, rays.any, chunk, &mut answers);
+        ask(engine, rays.any, chunk, &mut answers);
         if rays.any {
             all.t.extend(answers.occluded.iter().map(|&occluded| if occluded { 1.0 } else { f32::INFINITY }));
             all.prim_id.resize(all.t.len(), INVALID_ID);
@@ -148,10 +169,19 @@ pub(crate) fn answers(engine: &dyn Engine, rays: &Rays) -> Answered {
 mod tests {
     use super::*;
 
-    /// Counts rays; its "hits" are at the ray's own far end.
+    /// Counts rays; its "hits" are at the ray's own far end. It takes long to make them ready.
     struct Counter(AtomicUsize);
 
     impl Engine for Counter {
+        fn make_ready(&self, rays: &RayBatch, answers: &mut Answers) {
+            answers.own_rays.clear();
+            answers.own_rays.extend((0..rays.len()).map(|i| rays.get(i)));
+            let start = thread_seconds();
+            while thread_seconds() - start < 0.02 {}
+        }
+        fn read_back(&self, _: bool, answers: &mut Answers) {
+            assert_eq!(answers.own_rays.len(), answers.hits.len(), "those that were made ready");
+        }
         fn closest(&self, rays: &RayBatch, answers: &mut Answers) {
             answers.resize(rays.len());
             answers.hits.t.copy_from_slice(&rays.t_far);
@@ -173,6 +203,7 @@ mod tests {
             let seconds = time(&counter, &rays, threads);
             assert_eq!(counter.0.into_inner(), 207, "all rays by {threads} threads");
             assert!(seconds.cpu >= 0.0 && seconds.wall_time > 0.0, "it takes time: {seconds:?}");
+            assert!(seconds.cpu < 0.01, "what makes rays ready does not count: {seconds:?}");
         }
         let t = answers(&Counter(AtomicUsize::new(0)), &rays);
         assert!(t.t.iter().copied().eq((0..207).map(|i| i as f32)), "in the order of the rays");

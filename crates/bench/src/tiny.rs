@@ -23,7 +23,7 @@ use crate::random::Random;
 use crate::ray_classes::RayMaker;
 use crate::row::median;
 use crate::single::agree;
-use crate::timing::{Answers, Engine, Rays, time};
+use crate::timing::{Answers, Engine, Rays, ask, time};
 use crate::top::somewhere;
 use crate::{Class, Contestant, Subject};
 
@@ -181,14 +181,10 @@ fn check(class: Class, rays: &Rays, contestants: &[Contestant]) -> Result<(), Er
     let Some((first, others)) = contestants.split_first() else { return Ok(()) };
     let (mut expected, mut found) = (Answers::default(), Answers::default());
     for chunk in &rays.chunks {
-        if rays.any {
-            first.tracer.any(chunk, &mut expected);
-        } else {
-            first.tracer.closest(chunk, &mut expected);
-        }
+        ask(&*first.tracer, rays.any, chunk, &mut expected);
         for other in others {
+            ask(&*other.tracer, rays.any, chunk, &mut found);
             let agreed = if rays.any {
-                other.tracer.any(chunk, &mut found);
                 let differ = expected.occluded.iter().zip(&found.occluded).filter(|(a, b)| a != b).count();
                 if differ * 500 > chunk.len() {
                     Err(format!("{differ} of {} rays differ", chunk.len()))
@@ -196,7 +192,6 @@ fn check(class: Class, rays: &Rays, contestants: &[Contestant]) -> Result<(), Er
                     Ok(())
                 }
             } else {
-                other.tracer.closest(chunk, &mut found);
                 found.hits.inst_id.fill(gnurt::accel::INVALID_ID);
                 agree(&expected.hits, &found.hits, 1e-4, 500)
             };

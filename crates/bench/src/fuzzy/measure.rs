@@ -5,7 +5,7 @@
 //! Tests: `tests::all_follow`.
 
 use gnurt::accel::{
-    BuildOptions, FuzzyTree, INVALID_ID, Motion, MovingTree, ObjectTree, Quality, Ray, RayBatch, Structure,
+    BuildOptions, FuzzyTree, INVALID_ID, Motion, MovingTree, ObjectTree, Quality, RayBatch, Structure,
     Threads, Update,
 };
 use gnurt::scene::{Affine, Material, Mesh, Scene};
@@ -70,10 +70,15 @@ fn limb(subject: &Subject, share: f32, to: &mut [[f32; 3]]) {
 struct FuzzyEngine<'a>(&'a FuzzyTree);
 
 impl Engine for FuzzyEngine<'_> {
+    fn make_ready(&self, rays: &RayBatch, answers: &mut Answers) {
+        answers.own_rays.clear();
+        answers.own_rays.extend((0..rays.len()).map(|i| rays.get(i)));
+    }
+
     fn closest(&self, rays: &RayBatch, answers: &mut Answers) {
         answers.resize(rays.len());
         for i in 0..rays.len() {
-            let hit = self.0.intersect(&rays.get(i));
+            let hit = self.0.intersect(&answers.own_rays[i]);
             (answers.hits.t[i], answers.hits.prim_id[i]) =
                 hit.map_or((f32::INFINITY, INVALID_ID), |hit| (hit.t, hit.prim_id));
         }
@@ -81,8 +86,10 @@ impl Engine for FuzzyEngine<'_> {
 
     fn any(&self, rays: &RayBatch, answers: &mut Answers) {
         answers.resize(rays.len());
-        let occluded = |i| -> bool { self.0.occluded(&Ray { ..rays.get(i) }) };
-        (0..rays.len()).for_each(|i| answers.occluded[i] = occluded(i));
+        let Answers { own_rays, occluded, .. } = answers;
+        for (ray, occluded) in own_rays.iter().zip(occluded) {
+            *occluded = self.0.occluded(ray);
+        }
     }
 }
 
