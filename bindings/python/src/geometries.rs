@@ -18,6 +18,8 @@ use crate::retained::{radii, retained, rows, whole};
 pub(crate) enum Kind {
     Triangles,
     Quads,
+    /// Regular rectangles of vertices.
+    Grids,
     /// Points by their form.
     Points(PointForm),
     Curves(CurveBasis, CurveForm),
@@ -64,7 +66,8 @@ fn word<T: PartialEq>(choice: T, all: &[(&'static str, T)]) -> &'static str {
 pub(crate) struct Arrays {
     /// float32, or float64 in a scene of that; (n, 3).
     pub(crate) vertices: Py<PyAny>,
-    /// uint32: (m, 3) of triangles, (m, 4) of quads, (m,) of curves, whose first vertices they are.
+    /// uint32: (m, 3) of triangles, (m, 4) of quads, (m,) of curves, whose first vertices they are; (m, 4) of grids: first vertex,
+    /// stride, columns, rows.
     pub(crate) indices: Option<Py<PyAny>>,
     /// float32, (n,), of points and curves.
     pub(crate) radii: Option<Py<PyAny>>,
@@ -189,6 +192,47 @@ impl StoredGeometry {
         Ok(Self::new(kind, arrays))
     }
 
+    /// Regular rectangles of vertices.
+    pub(crate) fn grids(vertices: Object, grids: Object, copy: bool) -> PyResult<Self> {
+        let count = Numbers::new("vertices", vertices, Some(3))?.count();
+        let found = whole("grids", &array("grids", grids)?, Some(4))?;
+        let wide = of_type(&found, "int64")?;
+        let all = Rows::<i64>::new(&wide)?.ok_or_else(|| PyValueError::new_err("grids: has gaps"))?;
+        for (row, &[first, stride, columns, rows]) in all.all().as_chunks::<4>().0.iter().enumerate() {
+            let sizes = 2..=i64::from(u16::MAX);
+            if let Some((bad, what)) =
+                [(columns, "columns"), (rows, "rows")].into_iter().find(|(size, _)| !sizes.contains(size))
+            {
+                return Err(PyValueError::new_err(format!(
+                    "grids: row {row} has {bad} {what} of vertices; valid are {} to {}",
+                    sizes.start(),
+                    sizes.end()
+                )));
+            }
+            if first < 0 || stride < 0 {
+                return Err(PyValueError::new_err(format!(
+                    "grids: row {row} has first vertex {first} and stride {stride}; valid are numbers from 0 on"
+                )));
+            }
+            let last =
+                i128::from(first) + i128::from(rows - 1) * i128::from(stride) + i128::from(columns - 1);
+            if last >= count as i128 {
+                return Err(PyValueError::new_err(format!(
+                    "grids: row {row} takes vertex {last}, and there are {count} vertices, from 0 on"
+                )));
+            }
+        }
+        let arrays = Arrays {
+            vertices: rows("vertices", vertices, 3, None, "float32", copy)?,
+            indices: Some(retained(&of_type(&found, "uint32")?, grids, copy)?),
+            radii: None,
+            normals: None,
+            tangents: None,
+            normal_tangents: None,
+        };
+        Ok(Self::new(Kind::Grids, arrays))
+    }
+
     /// Spheres or discs.
     pub(crate) fn points(given: &PointArguments, copy: bool) -> PyResult<Self> {
         let form = choice("form", given.form, &POINT_FORMS)?;
@@ -238,7 +282,7 @@ impl StoredGeometry {
 
     /// Spheres stay spheres, and curves keep their circles, under maps that scale all directions alike.
     pub(crate) fn check_placement(&self, placement: Option<&[[f64; 3]; 4]>) -> PyResult<()> {
-        let is_mesh = matches!(self.kind, Kind::Triangles | Kind::Quads);
+        let is_mesh = matches!(self.kind, Kind::Triangles | Kind::Quads | Kind::Grids);
         match placement {
             Some(placement) if !is_mesh && uniform_scale(placement).is_none() => Err(PyValueError::new_err(
                 "transform: points and curves need the same scale in all directions; \
@@ -317,6 +361,11 @@ impl StoredGeometry {
                 all.set_item("faces", indices)?;
                 all.into_any()
             }
+            Kind::Grids => {
+                let all = named("grids")?;
+                all.set_item("grids", indices)?;
+                all.into_any()
+            }
             Kind::Points(form) => {
                 let all = named("points")?;
                 all.set_item("form", word(form, &POINT_FORMS))?;
@@ -352,6 +401,7 @@ impl StoredGeometry {
             [get("normals")?, get("tangents")?, get("normal_tangents")?];
         let made = match text("kind")?.as_str() {
             "quads" => Self::mesh(&vertices, &need("faces")?, Kind::Quads, false, dtype)?,
+            "grids" => Self::grids(&vertices, &need("grids")?, false)?,
             "points" => {
                 let (radii, form) = (&need("radii")?, &text("form")?);
                 let normals = normals.as_ref();

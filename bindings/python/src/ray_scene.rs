@@ -107,7 +107,7 @@ enum Found {
     },
 }
 
-/// Triangles, quads, points and curves for queries with rays and points. Every query may be called from several threads at once.
+/// Triangles, quads, grids, points and curves for queries with rays and points. Every query may be called from several threads at once.
 #[pyclass(module = "gnurt", frozen, subclass)]
 #[derive(Default)]
 pub(crate) struct RayScene {
@@ -351,6 +351,24 @@ impl RayScene {
         self.needs_single(py, "add_quads")?;
         let mesh = StoredGeometry::mesh(vertices, faces, Kind::Quads, copy, SINGLE)?;
         Ok(self.add(py, mesh.placed(transform)?))
+    }
+
+    /// Adds grids of vertices and returns their number, geom_id: fields of heights, sheets of cloth. `vertices`: (n, 3) floats;
+    /// `grids`: (m, 4) whole numbers: of each grid the first vertex, how many vertices lie from the start of a row to that of the next,
+    /// and its columns and rows of vertices, 2 to 65535 each. A cell between four vertices is a quad as of `add_quads` in a fifth of
+    /// the memory, corners 0 and 1 in one row; prim_id counts cells, grid by grid, then row by row. `transform` and `copy` as of
+    /// `add_triangles`. Scenes of float64 have none.
+    #[pyo3(signature = (vertices, grids, transform=None, *, copy=true))]
+    fn add_grids(
+        &self,
+        py: Python<'_>,
+        vertices: Object,
+        grids: Object,
+        transform: Option<Object>,
+        copy: bool,
+    ) -> PyResult<usize> {
+        self.needs_single(py, "add_grids")?;
+        Ok(self.add(py, StoredGeometry::grids(vertices, grids, copy)?.placed(transform)?))
     }
 
     /// Adds points with a radius and returns their number, geom_id. `vertices`: (n, 3) floats, the centres; `radii`: (n,) floats

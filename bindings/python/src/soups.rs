@@ -2,7 +2,7 @@
 //! Geometries as trees are built from them: arrays taken out of Python, with their transforms applied.
 //! Tests: `tests/test_scene.py`, `tests/test_primitives.py`.
 
-use gnurt_accel::{CurveBasis, CurveForm, Curves, Discs, Geometry, Quads, Spheres, Triangles};
+use gnurt_accel::{CurveBasis, CurveForm, Curves, Discs, Geometry, Grid, Grids, Quads, Spheres, Triangles};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -16,6 +16,7 @@ type Placement = [[f64; 3]; 4];
 pub(crate) enum Soup {
     Triangles(Vec<[f32; 3]>, Vec<[u32; 3]>),
     Quads(Vec<[f32; 3]>, Vec<[u32; 4]>),
+    Grids(Vec<[f32; 3]>, Vec<Grid>),
     Spheres(Vec<[f32; 3]>, Vec<f32>),
     /// With normals, or facing each ray.
     Discs(Vec<[f32; 3]>, Vec<f32>, Option<Vec<[f32; 3]>>),
@@ -64,6 +65,7 @@ impl Soup {
         Ok(match geometry.kind {
             Kind::Triangles => Self::Triangles(positions, optional(py, indices)?),
             Kind::Quads => Self::Quads(positions, optional(py, indices)?),
+            Kind::Grids => Self::Grids(positions, optional(py, indices)?.into_iter().map(grid).collect()),
             Kind::Points(PointForm::Round) => Self::Spheres(positions, radii),
             Kind::Points(PointForm::Flat) => Self::Discs(positions, radii, None),
             Kind::Points(PointForm::Oriented) => Self::Discs(positions, radii, Some(normals)),
@@ -94,7 +96,9 @@ impl Soup {
         let places = |all: &mut [[f32; 3]]| all.iter_mut().for_each(|at| *at = carried(placement, *at));
         let turns = |all: &mut [[f32; 3]]| all.iter_mut().for_each(|way| *way = turned(placement, *way));
         match self {
-            Self::Triangles(positions, _) | Self::Quads(positions, _) => places(positions),
+            Self::Triangles(positions, _) | Self::Quads(positions, _) | Self::Grids(positions, _) => {
+                places(positions);
+            }
             Self::Spheres(centers, radii) | Self::Discs(centers, radii, None) => {
                 places(centers);
                 radii.iter_mut().for_each(|radius| *radius = scaled(*radius));
@@ -124,6 +128,7 @@ impl Soup {
         match self {
             Self::Triangles(positions, indices) => Triangles { positions, indices }.into(),
             Self::Quads(positions, indices) => Quads { positions, indices }.into(),
+            Self::Grids(positions, grids) => Grids { positions, grids }.into(),
             Self::Spheres(centers, radii) => Spheres { centers, radii }.into(),
             Self::Discs(centers, radii, normals) => {
                 Discs { centers, radii, normals: normals.as_deref() }.into()
@@ -137,6 +142,12 @@ impl Soup {
             .into(),
         }
     }
+}
+
+/// A row of numbers that were checked.
+fn grid([first, stride, columns, rows]: [u32; 4]) -> Grid {
+    let [width, height] = [columns, rows].map(|size| u16::try_from(size).unwrap_or_default());
+    Grid { first, stride, width, height }
 }
 
 /// A transformed point.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quads, points and curves of ray scenes, beside closed forms and fine meshes in double precision."""
+"""Quads, grids, points and curves of ray scenes, beside closed forms and fine meshes in double precision."""
 
 import copy
 import pickle
@@ -124,6 +124,42 @@ def test_quads():
     other.add_quads(vertices * [1, 0.5, 2], faces)
     scene.update(0, transform=squeezed)
     assert np.allclose(scene.intersect(origins, directions).t, other.intersect(origins, directions).t, rtol=1e-4)
+
+
+def cells(grids):
+    """The quads of all cells, in the order of their numbers."""
+    return np.array(
+        [
+            [first + y * stride + x + k for k in (0, 1, stride + 1, stride)]
+            for first, stride, columns, rows in grids
+            for y in range(rows - 1)
+            for x in range(columns - 1)
+        ]
+    )
+
+
+def test_grids():
+    """Bit for bit the same as the cells as quads."""
+    rng = np.random.default_rng(21)
+    x, y = np.meshgrid(np.linspace(-1.5, 1.5, 30), np.linspace(-1.5, 1.5, 20))
+    vertices = np.stack([x, y, 0.2 * rng.normal(size=x.shape)], -1).reshape(-1, 3).astype("f4")
+    # All but the last columns; a part of the vertices once more, in a sparser grid; one cell.
+    grids = np.array([[0, 30, 29, 20], [3, 60, 5, 9], [568, 30, 2, 2]])
+    origins, directions = random_rays(rng)
+    for matrix in (None, np.diag([1, 0.7, 2, 1])):
+        for dtype in ("int64", "uint32"):
+            ours, theirs = gnurt.RayScene(), gnurt.RayScene()
+            assert ours.add_grids(vertices, grids.astype(dtype), transform=matrix, copy=False) == 0
+            theirs.add_quads(vertices, cells(grids), transform=matrix)
+            for step in range(2):
+                hits, expected = ours.intersect(origins, directions), theirs.intersect(origins, directions)
+                assert np.isfinite(expected.t).sum() > 500 and len(np.unique(expected.prim_id)) > 300
+                for name in ("t", "u", "v", "prim_id", "geom_id", "normal"):
+                    assert np.array_equal(getattr(hits, name), getattr(expected, name)), name
+                assert np.array_equal(ours.occluded(origins, directions), np.isfinite(expected.t))
+                for scene in (ours, theirs):
+                    scene.update(0, vertices=vertices * [1, 1, -2])
+    assert np.allclose(ours.distance(origins), theirs.distance(origins), rtol=1e-6)
 
 
 @pytest.mark.parametrize("form", ["flat", "oriented"])
@@ -344,6 +380,7 @@ def everything():
     scene.add_curves(
         vertices, 0.1, basis="hermite", form="oriented", normals=normals, tangents=tangents, normal_tangents=normals
     )
+    scene.add_grids(vertices * [1, 1, 0.2] + [0, 0, 2], [[0, 4, 4, 3]], transform=np.diag([1, 1, 2, 1]))
     scene.remove(scene.add_points(vertices, 1))
     scene.add_instance(5, np.diag([1, 1, 3, 1]))
     return scene
@@ -353,7 +390,7 @@ def test_kept(tmp_path):
     scene = everything()
     rays = random_rays(np.random.default_rng(10), 3000)
     expected = scene.intersect(*rays)
-    assert set(expected.geom_id) == {-1, *range(7)} and set(expected.inst_id) == {-1, 0}
+    assert set(expected.geom_id) == {-1, *range(8)} and set(expected.inst_id) == {-1, 0}
     scene.save(tmp_path / "a.rays")
     outer = gnurt.RayScene()
     outer.add_instance(scene, np.eye(4))
@@ -374,7 +411,7 @@ def test_updates():
     scene.intersect(*rays)
     rng = np.random.default_rng(9)
     vertices = rng.normal(size=(12, 3))
-    for number in range(7):
+    for number in range(8):
         scene.update(number, vertices=vertices * 0.5 + number / 4)
     scene.update(2, transform=turned(1.5))
     fresh = pickle.loads(pickle.dumps(scene))
@@ -404,6 +441,13 @@ FOUR = np.arange(12.0).reshape(4, 3) ** 1.5
 WRONG = [
     (lambda s: s.add_quads(FOUR, [[0, 1, 2]]), ValueError, r"faces: expected shape \(m, 4\), not \(1, 3\)"),
     (lambda s: s.add_quads(FOUR, [[0, 1, 2, 4]]), ValueError, "faces: row 0 names vertex 4, and there are 4"),
+    (lambda s: s.add_grids(FOUR, [[0, 2, 2]]), ValueError, r"grids: expected shape \(m, 4\), not \(1, 3\)"),
+    (lambda s: s.add_grids(FOUR, [[0, 2, 2, 2], [0, 3, 2, 2]]), ValueError, "grids: row 1 takes vertex 4, and there are 4"),
+    (lambda s: s.add_grids(FOUR, [[0, 2, 1, 2]]), ValueError, "grids: row 0 has 1 columns of vertices; valid are 2 to 65535"),
+    (lambda s: s.add_grids(FOUR, [[0, 2, 2, 65536]]), ValueError, "grids: row 0 has 65536 rows of vertices"),
+    (lambda s: s.add_grids(FOUR, [[-1, 2, 2, 2]]), ValueError, "grids: row 0 has first vertex -1 and stride 2"),
+    (lambda s: s.add_grids(FOUR, [[2**62, 2**62, 2, 2]]), ValueError, "grids: row 0 takes vertex"),
+    (lambda s: s.add_grids(FOUR, [[0, 2, 2, 1.5]]), TypeError, "grids: expected whole numbers"),
     (lambda s: s.add_points(FOUR, [1, 2]), ValueError, r"radii: expected one number or shape \(4,\).*not \(2,\)"),
     (lambda s: s.add_points(FOUR, [1.0]), ValueError, r"radii: .*not \(1,\)"),
     (lambda s: s.add_points(FOUR, [1, 2, -3, 4]), ValueError, "radii: row 2 is -3; expected finite numbers from 0 on"),
@@ -445,7 +489,12 @@ def test_wrong(number):
 
 def test_doubles_have_triangles_only():
     scene = gnurt.RayScene(dtype="float64")
-    for call in (lambda: scene.add_quads(FOUR, [[0, 1, 2, 3]]), lambda: scene.add_points(FOUR, 1), lambda: scene.add_curves(FOUR, 1)):
+    for call in (
+        lambda: scene.add_quads(FOUR, [[0, 1, 2, 3]]),
+        lambda: scene.add_grids(FOUR, [[0, 2, 2, 2]]),
+        lambda: scene.add_points(FOUR, 1),
+        lambda: scene.add_curves(FOUR, 1),
+    ):
         with pytest.raises(TypeError, match="unsupported in a scene of float64, which has triangles only"):
             call()
     state = everything().__getstate__()

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use gnurt_accel::{
-    Aabb, BuildOptions, CurveBasis, CurveForm, Memory, Quality, Ray, Structure, Threads, UserGeometry,
+    Aabb, BuildOptions, CurveBasis, CurveForm, Grid, Memory, Quality, Ray, Structure, Threads, UserGeometry,
     UserHit,
 };
 
@@ -212,6 +212,40 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_add_quads(
             Ok(What::Quads { positions, indices })
         })
     }
+}
+
+/// Adds grids.
+///
+/// # Safety
+/// As [`gnurt_add_triangles`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn gnurt_add_grids(
+    scene: *mut RayScene,
+    positions: Array,
+    grids: Array,
+    mask: u32,
+    id: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, id, mask, || {
+            let positions = Column::Given(Rows::new(&positions, 3, Access::Floats, "positions")?);
+            let rows = Rows::new(&grids, 4, Access::Indices, "grids")?.u32_rows();
+            Ok(What::Grids {
+                positions,
+                grids: rows.into_iter().enumerate().map(grid).collect::<Result<_, _>>()?,
+            })
+        })
+    }
+}
+
+/// The grid of a row: first vertex, stride, columns, rows.
+fn grid((row, [first, stride, columns, rows]): (usize, [u32; 4])) -> Result<Grid, String> {
+    let size = |size: u32, what: &str| {
+        u16::try_from(size)
+            .map_err(|_| format!("grids: row {row} has {size} {what} of vertices; {} is the most", u16::MAX))
+    };
+    Ok(Grid { first, stride, width: size(columns, "columns")?, height: size(rows, "rows")? })
 }
 
 /// Adds spheres.
@@ -539,7 +573,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_positions(
             What::Triangles { positions, doubles, .. } => {
                 (*positions, *doubles) = (new, Column::Given(rows));
             }
-            What::Quads { positions, .. } => *positions = new,
+            What::Quads { positions, .. } | What::Grids { positions, .. } => *positions = new,
             What::Spheres { centers, radii } | What::Discs { centers, radii, .. }
                 if radii.len() == new.len() =>
             {

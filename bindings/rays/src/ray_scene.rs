@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use gnurt_accel::doubles::{DoubleInstance, DoubleMesh, DoubleScene};
 use gnurt_accel::{
-    BuildOptions, CurveBasis, CurveForm, Curves, Discs, Geometry, GeometryKind, Instance, Motion, MovingTree,
-    ObjectTree, Quads, SceneTree, Shape, Spheres, Threads, Triangles, UserGeometry,
+    BuildOptions, CurveBasis, CurveForm, Curves, Discs, Geometry, GeometryKind, Grid, Grids, Instance,
+    Motion, MovingTree, ObjectTree, Quads, SceneTree, Shape, Spheres, Threads, Triangles, UserGeometry,
 };
 
 use crate::ffi_columns::{Column, Rows};
@@ -31,6 +31,10 @@ pub(crate) enum What {
     Quads {
         positions: Column<[f32; 3]>,
         indices: Column<[u32; 4]>,
+    },
+    Grids {
+        positions: Column<[f32; 3]>,
+        grids: Vec<Grid>,
     },
     Spheres {
         centers: Column<[f32; 3]>,
@@ -63,6 +67,7 @@ impl What {
                 positions.keep(Rows::floats);
                 indices.keep(Rows::u32_rows);
             }
+            Self::Grids { positions, .. } => positions.keep(Rows::floats),
             Self::Spheres { centers, radii } => {
                 centers.keep(Rows::floats);
                 radii.keep(|rows| rows.floats::<1>().into_iter().map(|[r]| r).collect());
@@ -95,6 +100,10 @@ impl What {
             Self::Quads { positions, indices } => {
                 let (positions, indices) = (positions.retained(), indices.retained());
                 (GeometryKind::Quads(Quads { positions, indices }), indices.len())
+            }
+            Self::Grids { positions, grids } => {
+                let made = Grids { positions: positions.retained(), grids };
+                (GeometryKind::Grids(made), made.cells())
             }
             Self::Spheres { centers, radii } => {
                 let (centers, radii) = (centers.retained(), radii.retained());

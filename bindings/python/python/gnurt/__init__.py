@@ -17,7 +17,7 @@ _NAMES = (
 
 
 class RayScene(_RayScene):
-    """Triangles, quads, points and curves to be asked with rays and points.
+    """Triangles, quads, grids, points and curves to be asked with rays and points.
 
     Arrays are numpy arrays, or whatever numpy makes one of; float32 or float64, with gaps or not. `(1, 3)` goes with any
     number of rays. `threads=0` is one for each core; answers do not depend on it. `dtype="float64"` keeps vertices as they are

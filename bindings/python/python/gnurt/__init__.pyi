@@ -65,6 +65,9 @@ class RayScene:
     def add_quads(
         self, vertices: ArrayLike, faces: ArrayLike, transform: ArrayLike | None = None, *, copy: bool = True
     ) -> int: ...
+    def add_grids(
+        self, vertices: ArrayLike, grids: ArrayLike, transform: ArrayLike | None = None, *, copy: bool = True
+    ) -> int: ...
     def add_points(
         self,
         vertices: ArrayLike,

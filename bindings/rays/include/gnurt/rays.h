@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ray queries for C: meshes, spheres, user geometry and instances, and what rays and points can ask of them. No device, no state but
+/* Ray queries for C: meshes, grids, spheres, user geometry and instances, and what rays and points can ask of them. No device, no state but
  * that of scenes. Arrays are the program's own, with any gaps. docs/reference/c-rays.md has a tour.
  *
  * Every call that returns int answers 0, or -1 where something is wrong: gnurt_last_error() then says what, in this thread, and
@@ -61,6 +61,10 @@ int gnurt_scene_options(gnurt_scene *, const gnurt_build *);
  * `id` may be null. */
 int gnurt_add_triangles(gnurt_scene *, gnurt_array positions, gnurt_array indices, uint32_t mask, uint32_t *id);
 int gnurt_add_quads(gnurt_scene *, gnurt_array positions, gnurt_array indices, uint32_t mask, uint32_t *id);
+/* Grids of vertices, whose cells are quads in a fifth of the memory: rows of four U32 or U64, which are read at once: the first vertex, how many
+ * vertices lie from the start of a row to that of the next, columns and rows of vertices, up to 65535. prim_id counts cells, grid by
+ * grid, then row by row. */
+int gnurt_add_grids(gnurt_scene *, gnurt_array positions, gnurt_array grids, uint32_t mask, uint32_t *id);
 int gnurt_add_spheres(gnurt_scene *, gnurt_array centers, gnurt_array radii, uint32_t mask, uint32_t *id);
 /* Without normals (no data) discs face each ray. */
 int gnurt_add_discs(gnurt_scene *, gnurt_array centers, gnurt_array radii, gnurt_array normals, uint32_t mask, uint32_t *id);

@@ -474,6 +474,78 @@ static void few(void)
     }
 }
 
+/* Grids are the same as their cells as quads, bit for bit: a part of the vertices, and every second row once more. */
+static void grids(void)
+{
+    enum { COLUMNS = 17, ROWS = 12, CELLS = 15 * 11 + 16 * 5 };
+    static float heights[ROWS * COLUMNS][3];
+    static uint32_t quads[CELLS][4];
+    uint64_t given[2][4] = { { 0, COLUMNS, COLUMNS - 1, ROWS }, { 0, 2 * COLUMNS, COLUMNS, ROWS / 2 } };
+    int count = 0;
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        heights[i][0] = (i % COLUMNS) / 16.0f, heights[i][1] = (i / COLUMNS) / 11.0f;
+        heights[i][2] = 0.3f * number();
+    }
+    for (int g = 0; g < 2; g++)
+        for (uint64_t y = 0; y + 1 < given[g][3]; y++)
+            for (uint64_t x = 0; x + 1 < given[g][2]; x++) {
+                uint32_t a = (uint32_t)(y * given[g][1] + x), b = a + (uint32_t)given[g][1];
+                uint32_t corners[4] = { a, a + 1, b + 1, b };
+                memcpy(quads[count++], corners, sizeof corners);
+            }
+    CHECK(count == CELLS, "%d cells", count);
+    gnurt_scene_free(new_soup()); /* its rays */
+    gnurt_rays all = rays(RAYS);
+    all.masks.data = NULL;
+    static struct found expected[RAYS];
+    gnurt_scene *scenes[2];
+    for (int k = 0; k < 2; k++) {
+        scenes[k] = gnurt_scene_new();
+        uint32_t id = 9;
+        if (k == 0)
+            OK(gnurt_add_quads(scenes[k], rows(heights, ROWS * COLUMNS, 0, GNURT_F32), rows(quads, CELLS, 0, GNURT_U32), 1, &id));
+        else
+            OK(gnurt_add_grids(scenes[k], rows(heights, ROWS * COLUMNS, 0, GNURT_F32), rows(given, 2, 0, GNURT_U64), 1, &id));
+        CHECK(id == 0, "the first");
+    }
+    for (int step = 0; step < 2; step++) {
+        int hits = 0;
+        for (int k = 0; k < 2; k++) {
+            OK(gnurt_commit(scenes[k]));
+            struct found *to = k ? found : expected;
+            memset(to, 0, sizeof found);
+            gnurt_hits into = places(to);
+            OK(gnurt_intersect(scenes[k], &all, NULL, &into));
+            gnurt_facts facts;
+            OK(gnurt_scene_facts(scenes[k], &facts));
+            CHECK(facts.primitives == 2 * CELLS && facts.left_out == 0, "%d halves of cells", (int)facts.primitives);
+        }
+        for (int i = 0; i < RAYS; i++) {
+            hits += expected[i].t < INFINITY;
+            CHECK(!memcmp(&expected[i], &found[i], sizeof *found), "step %d, ray %d: %g and %g", step, i, expected[i].t, found[i].t);
+        }
+        CHECK(hits > 100, "%d hits", hits);
+        for (int i = 0; i < ROWS * COLUMNS; i++)
+            heights[i][2] = -heights[i][2];
+        for (int k = 0; k < 2; k++)
+            OK(gnurt_set_positions(scenes[k], 0, rows(heights, ROWS * COLUMNS, 0, GNURT_F32)));
+    }
+    uint32_t wrong[2][4] = { { 0, 2, 2, 2 }, { 0, 2, 70000, 2 } };
+    REFUSED(gnurt_add_grids(scenes[1], rows(heights, 4, 0, GNURT_F32), rows(wrong, 2, 0, GNURT_U32), 1, NULL),
+            "grids: row 1 has 70000 columns of vertices; 65535 is the most");
+    REFUSED(gnurt_add_grids(scenes[1], rows(heights, 4, 0, GNURT_F32), rows(wrong, 2, 0, GNURT_F32), 1, NULL), "grids: type 0");
+    /* Cells without a vertex are left out. */
+    wrong[1][2] = 3;
+    OK(gnurt_remove(scenes[1], 0));
+    OK(gnurt_add_grids(scenes[1], rows(heights, 4, 0, GNURT_F32), rows(wrong, 2, 0, GNURT_U32), 1, NULL));
+    OK(gnurt_commit(scenes[1]));
+    gnurt_facts facts;
+    OK(gnurt_scene_facts(scenes[1], &facts));
+    CHECK(facts.primitives == 4 && facts.left_out == 1, "%d halves, %d left out", (int)facts.primitives, (int)facts.left_out);
+    for (int k = 0; k < 2; k++)
+        gnurt_scene_free(scenes[k]);
+}
+
 static void errors(void)
 {
     gnurt_scene *scene = gnurt_scene_new();
@@ -519,6 +591,7 @@ int main(void)
     scenes_in_scenes();
     solids();
     few();
+    grids();
     errors();
     return finish();
 }
