@@ -353,9 +353,9 @@ impl RayScene {
         Ok(self.add(py, mesh.placed(transform)?))
     }
 
-    /// Adds grids of vertices and returns their number, geom_id: fields of heights, sheets of cloth. `vertices`: (n, 3) floats;
-    /// `grids`: (m, 4) whole numbers: of each grid the first vertex, how many vertices lie from the start of a row to that of the next,
-    /// and its columns and rows of vertices, 2 to 65535 each. A cell between four vertices is a quad as of `add_quads` in a fifth of
+    /// Adds grids of vertices and returns their number, geom_id: fields of heights, sheets of cloth. `vertices`: (n, 3) floats.
+    /// `grids`: (m, 4) whole numbers: of each grid the first vertex, the vertices from the start of a row to that of the next, and its
+    /// columns and rows of vertices, 2 to 65535 each. A cell between four vertices is a quad as of `add_quads` in a fifth of
     /// the memory, corners 0 and 1 in one row; prim_id counts cells, grid by grid, then row by row. `transform` and `copy` as of
     /// `add_triangles`. Scenes of float64 have none.
     #[pyo3(signature = (vertices, grids, transform=None, *, copy=true))]

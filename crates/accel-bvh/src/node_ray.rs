@@ -39,7 +39,7 @@ pub(crate) struct RayLanes<S: Simd> {
 impl<S: Simd> RayLanes<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &Ray) -> Self {
-        // As the fields lie in memory, and not from copies of arrays: one load each.
+        // In the order of the fields in memory, and not from copies of arrays: one load each.
         let org = f32x4::load_array(simd, [ray.org[0], ray.org[1], ray.org[2], ray.t_near]);
         let dir = f32x4::load_array(simd, [ray.dir[0], ray.dir[1], ray.dir[2], ray.time]);
         Self { org, dir, away: org.abs(), size: dir.abs() }

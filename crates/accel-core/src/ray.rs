@@ -9,7 +9,7 @@ use std::borrow::Cow;
 /// `dir` need not be of unit length: `t` counts in multiples of it. A ray with a NaN, an infinite direction, an origin
 /// beyond [`Ray::FARTHEST_ORIGIN`], a zero direction or an empty interval hits nothing. `t_far` may be infinite.
 ///
-/// The fields lie in memory as the first ones of Embree's `RTCRay` do, so that a ray of a C program is read where it is.
+/// The fields have the layout of the first ones of Embree's `RTCRay`, so that a ray of a C program is read where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Ray {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Embree as a program uses it: one ray a call where they lie in its structures; packets with rays that are copied from arrays, and
+//! Embree as a program uses it: rays one by one, ready in its structures; packets with rays that are copied from arrays, and
 //! results read back.
 //! Tests: `tests::finds_the_triangle` (where `EMBREE4_LIB` names a library).
 

@@ -61,8 +61,8 @@ int gnurt_scene_options(gnurt_scene *, const gnurt_build *);
  * `id` may be null. */
 int gnurt_add_triangles(gnurt_scene *, gnurt_array positions, gnurt_array indices, uint32_t mask, uint32_t *id);
 int gnurt_add_quads(gnurt_scene *, gnurt_array positions, gnurt_array indices, uint32_t mask, uint32_t *id);
-/* Grids of vertices, whose cells are quads in a fifth of the memory: rows of four U32 or U64, which are read at once: the first vertex, how many
- * vertices lie from the start of a row to that of the next, columns and rows of vertices, up to 65535. prim_id counts cells, grid by
+/* Grids of vertices, whose cells are quads in a fifth of the memory: rows of four U32 or U64, which are read at once: the first vertex, the
+ * vertices from the start of a row to that of the next, columns and rows of vertices, up to 65535. prim_id counts cells, grid by
  * grid, then row by row. */
 int gnurt_add_grids(gnurt_scene *, gnurt_array positions, gnurt_array grids, uint32_t mask, uint32_t *id);
 int gnurt_add_spheres(gnurt_scene *, gnurt_array centers, gnurt_array radii, uint32_t mask, uint32_t *id);
