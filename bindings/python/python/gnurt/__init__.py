@@ -11,7 +11,7 @@ _MAGIC = [b"GNURT ray scene 1\n", b"GNURT ray scene 2\n"]
 
 #: What there may be of a geometry that is not of triangles.
 _NAMES = (
-    ["kind", "vertices", "faces", "radii", "segments", "basis", "form"]
+    ["kind", "vertices", "faces", "grids", "radii", "segments", "basis", "form"]
     + ["normals", "tangents", "normal_tangents", "transform"]
 )
 
