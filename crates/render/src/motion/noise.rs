@@ -170,7 +170,9 @@ mod tests {
             brightness: if i % 320 < 32 { 6.0 } else { 2.0 },
             known: 2.0,
         };
-        (0..10).for_each(|_| drop(large.add([320, 160], (0..320 * 160).map(sample), 2.0)));
+        for _ in 0..10 {
+            large.add([320, 160], (0..320 * 160).map(sample), 2.0);
+        }
         assert!((large.most() - 4.0).abs() < 0.1, "a tenth is noisy: {}", large.most());
     }
 
