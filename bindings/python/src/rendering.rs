@@ -71,6 +71,7 @@ impl BuildRequest {
             vpls: given.whole("vpls", 1, 1 << 24)?.unwrap_or(1024) as u32,
             clamp: given.number("clamp", 0.0, MOST)?.map(|x| x as f32),
             guiding: given.choice("guide")?.unwrap_or_default(),
+            caustics: given.choice("caustics")?.unwrap_or_default(),
             noise: given.number("noise", 1e-6, 1.0)?.map(|x| x as f32),
             crop: crop.map(|corners| corners.map(|x| x.max(0.0) as u32)),
             time_limit: time.map(Duration::from_secs_f64),

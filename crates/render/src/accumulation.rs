@@ -33,6 +33,7 @@ use crate::shader_outputs;
 use crate::stats::RenderStats;
 use crate::tile::render_tile;
 use crate::tracer::BatchTracer;
+use crate::transport::manifold::{self, Caustics};
 use crate::world::World;
 
 /// Receives the progress of a picture, and may stop it. Called from many threads at once.
@@ -107,6 +108,8 @@ pub struct Accumulation {
     common: Arc<Common>,
     /// The guide, once samples need it.
     trained: Option<Arc<Trained>>,
+    /// What searches for caustics know, once it was found.
+    caustics: Option<Option<Arc<Caustics>>>,
     /// When the whole rendering has to end.
     pub(crate) limit: Option<Instant>,
 }
@@ -127,6 +130,7 @@ impl Accumulation {
             kinds: Vec::new(),
             common: Arc::default(),
             trained: None,
+            caustics: None,
             limit: None,
         })
     }
@@ -153,7 +157,7 @@ impl Accumulation {
         }
         (self.options, self.region, self.stats) = (options, region, RenderStats::default());
         self.common = Arc::default();
-        self.trained = None;
+        (self.trained, self.caustics) = (None, None);
         Ok(())
     }
 
@@ -284,6 +288,7 @@ impl Accumulation {
             PassSetup { camera, options: &options, watch: &watched, deadline, all_samples, guide };
         let mut shared = pass_setup.job(world, self.stats.samples);
         shared.common = self.common.clone();
+        shared.caustics = self.caustics.get_or_insert_with(|| find_caustics(&shared)).clone();
         // Virtual lights are one sample's.
         let at_once = if has_virtual_lights || is_of_pass { 1 } else { u32::MAX };
         let mut done = self.samples();
@@ -293,7 +298,10 @@ impl Accumulation {
                 if self.options.integrator.needs_light_set() {
                     world.lights().make_set(pool);
                 }
-                pass_setup.job(world, self.stats.samples)
+                let mut job = pass_setup.job(world, self.stats.samples);
+                // Lamps are elsewhere.
+                job.caustics = find_caustics(&job);
+                job
             });
             let job = own.as_ref().unwrap_or(&shared);
             done = done.saturating_add(at_once).min(last);
@@ -465,6 +473,11 @@ impl<'a> PassSetup<'a> {
         *job.samples_done.get_mut() = samples_done;
         job
     }
+}
+
+/// What searches for caustics know of the world of a job.
+fn find_caustics(job: &Job) -> Option<Arc<Caustics>> {
+    manifold::find(&mut job.tracer(false)).map(Arc::new)
 }
 
 /// Adds sample `sample` to all tiles, which is averaged over neighbours; to none, and `None`, if it is time to stop.

@@ -33,6 +33,7 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
     let mut tracer = BatchTracer::new(job.world, &options, false);
     tracer.properties = Some(job.properties);
     tracer.wavefront.linked = job.links.clone().map(LinkedPaths::new);
+    tracer.caustics = job.caustics.as_deref();
     let mut taken = FEWEST;
     let needed = loop {
         while tile.samples < taken {

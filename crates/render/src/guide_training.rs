@@ -7,6 +7,7 @@
 //! Memory: at most [`MOST_VERTICES`] vertices, and the map that follows from them.
 //! Tests: crates/render/tests/guide.rs.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use gnurt_accel::threads;
@@ -22,6 +23,7 @@ use crate::sampler::Sampler;
 use crate::stats::{GuideStats, RenderStats};
 use crate::tracer::BatchTracer;
 use crate::transport::links::LinkedPaths;
+use crate::transport::manifold;
 use crate::world::World;
 
 /// The seed of the pilot differs in these bits.
@@ -57,6 +59,7 @@ pub(crate) fn train(
     let options = pilot_options(options);
     let mut job = Job::new(world, camera, &options, watch);
     job.deadline = deadline;
+    job.caustics = manifold::find(&mut job.tracer(false)).map(Arc::new);
     let region = [0, 0, options.width, options.height];
     let rects: Vec<[u32; 4]> = rects(region).collect();
     let most = MOST_VERTICES / rects.len().max(1);
@@ -146,6 +149,7 @@ impl Tile {
         tracer.wavefront.linked = job.links.clone().map(LinkedPaths::new);
         tracer.wavefront.recorder = Some(std::mem::take(&mut self.recorder));
         tracer.guide_from = Some((guide, 0));
+        tracer.caustics = job.caustics.as_deref();
         let sampler = Sampler { job, pass: None };
         while self.film.samples < last && !job.should_stop() {
             sampler.render_samples(&mut self.film, &mut tracer, last);

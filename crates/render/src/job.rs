@@ -24,6 +24,7 @@ use crate::pixel_order::PixelOrder;
 use crate::progress::Watch;
 use crate::tracer::BatchTracer;
 use crate::transport::links::LightLinks;
+use crate::transport::manifold::Caustics;
 use crate::world::World;
 
 /// State that all tiles of a rendering share.
@@ -55,6 +56,8 @@ pub(crate) struct Job<'a> {
     pub(crate) light_paths: Option<Arc<LightPaths>>,
     /// Where light comes from, and from which sample on paths are guided by it.
     pub(crate) guide: Option<(&'a Guide, u32)>,
+    /// What searches for lamps behind smooth surfaces know, if paths make them.
+    pub(crate) caustics: Option<Arc<Caustics>>,
     /// Lights that do not reach everything, if there are any.
     pub(crate) links: Option<Arc<LightLinks>>,
 }
@@ -93,6 +96,7 @@ impl<'a> Job<'a> {
             common: Arc::default(),
             light_paths,
             guide: None,
+            caustics: None,
             links: LightLinks::new(world).map(Arc::new),
         }
     }

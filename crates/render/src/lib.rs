@@ -73,7 +73,8 @@ pub use mattes::{MatteKind, Mattes, matte_id, matte_names};
 pub use motion::{MotionCost, MotionShare, PictureHistory};
 pub use moving_camera::MovingCamera;
 pub use options::{
-    Guiding, Integrator, ReconstructionFilter, RenderOptions, UnknownGuiding, UnknownIntegrator,
+    Caustics, Guiding, Integrator, ReconstructionFilter, RenderOptions, UnknownCaustics, UnknownGuiding,
+    UnknownIntegrator,
 };
 pub use packing::{empty_picture, pack_piece, rendered_rects, unpack_piece};
 pub use piece::{BAND_UNIT, Piece};

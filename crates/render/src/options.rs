@@ -113,6 +113,35 @@ impl Guiding {
 
 by_name!(Guiding, UnknownGuiding, "choice");
 
+/// Whether lamps behind smooth surfaces are searched for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Caustics {
+    /// Scattered rays meet them by chance.
+    #[default]
+    Off,
+    /// All lamps are; environments and lights of plugins have no point to search for.
+    On,
+    /// Lamps without extent are, and lamps that are small as seen from smooth surfaces.
+    Auto,
+}
+
+impl Caustics {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Off, Self::On, Self::Auto];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::On => "on",
+            Self::Auto => "auto",
+        }
+    }
+}
+
+by_name!(Caustics, UnknownCaustics, "choice");
+
 /// Everything about a picture but the world and the camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
@@ -151,6 +180,8 @@ pub struct RenderOptions {
     pub clamp: Option<f32>,
     /// `Path`: whether directions are learned from a pilot rendering of the whole picture.
     pub guiding: Guiding,
+    /// `Path`: whether light that mirrors and smooth glass bring from lamps to rough surfaces is searched for.
+    pub caustics: Caustics,
     /// For the integrators with virtual lights: the radiance of a white diffuse surface under light 1, if its
     /// shader only has `shade`. 1 in the light model of OpenRT (light times colour times cosine), 1 / pi in
     /// radiometry.
@@ -205,6 +236,7 @@ impl Default for RenderOptions {
             vpls: 1024,
             clamp: None,
             guiding: Guiding::default(),
+            caustics: Caustics::default(),
             white: 1.0,
             interleave: 1,
             ray_epsilon: 0.0,

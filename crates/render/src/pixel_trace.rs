@@ -18,6 +18,7 @@ use crate::options::RenderOptions;
 use crate::pixels;
 use crate::progress::Unwatched;
 use crate::transport::links::LinkedPaths;
+use crate::transport::manifold;
 use crate::world::World;
 
 /// All that happened for one sample of a pixel, in order. Printed by `Display`, one line per value.
@@ -61,7 +62,9 @@ pub fn trace_pixel(
     let world = opened.as_ref().unwrap_or(world);
     let job = Job::new(world, camera, &options, &Unwatched);
     let pass = many_lights::pass_lights(&job, 0);
+    let caustics = manifold::find(&mut job.tracer(false));
     let mut tracer = job.tracer(false);
+    tracer.caustics = caustics.as_ref();
     tracer.lights = pass.as_ref().map(|pass| pass as _);
     tracer.wavefront.linked = job.links.clone().map(LinkedPaths::new);
     tracer.log = Some(Log::default());

@@ -54,6 +54,7 @@ impl<'a> Sampler<'a> {
         let mut tracer = self.job.tracer(self.job.options.heatmap);
         tracer.cone = self.job.cone;
         tracer.guide_from = self.job.guide;
+        tracer.caustics = self.job.caustics.as_deref();
         tracer.lights = self.pass.map(|pass| pass as _);
         tracer.wavefront.ledger = self.job.light_paths.clone().map(Ledger::new);
         tracer.wavefront.linked = self.job.links.clone().map(LinkedPaths::new);

@@ -28,6 +28,7 @@ use crate::options::{Integrator, RenderOptions};
 use crate::pixel_order::PixelOrder;
 use crate::seen::SeenLight;
 use crate::stats::RenderStats;
+use crate::transport::manifold::Caustics;
 use crate::transport::{Blockers, Through, Wavefront};
 use crate::world::{HitLanes, World};
 
@@ -77,6 +78,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) guide: Option<&'w Guide>,
     /// The same for samples from a number on.
     pub(crate) guide_from: Option<(&'w Guide, u32)>,
+    /// What searches for lamps behind smooth surfaces know, if paths make them.
+    pub(crate) caustics: Option<&'w Caustics>,
     /// How pixels share virtual lights out.
     pub(crate) sharing: Sharing,
     /// Keys of samples.
@@ -144,6 +147,7 @@ impl<'w> BatchTracer<'w> {
             lights: None,
             guide: None,
             guide_from: None,
+            caustics: None,
             probes: options.integrator.has_virtual_lights(),
             sharing: Sharing::All,
             pixel_order: PixelOrder::new(options),

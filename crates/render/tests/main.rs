@@ -8,6 +8,7 @@ mod agreement;
 mod appearance;
 mod bands;
 mod bumps;
+mod caustics;
 mod checkpoint;
 mod commit;
 mod common;

@@ -363,8 +363,8 @@ class Scene(_Scene):
             warnings.warn(warning, stacklevel=2)
 
     def render(self, width=640, height=480, *, progress=None, **options):
-        """A picture. Options are those of the program: spp, integrator, camera, at, animation, seed, max_depth, vpls, clamp, guide, noise,
-        pixel_noise, crop, filter, time, denoise, layers, light_groups, crypto_depth, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
+        """A picture. Options are those of the program: spp, integrator, camera, at, animation, seed, max_depth, vpls, clamp, guide, caustics,
+        noise, pixel_noise, crop, filter, time, denoise, layers, light_groups, crypto_depth, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
         layers=True adds the layers of surfaces; a list such as ["normal", "direct", "key=C.*<L.'key'>", "shader.mask", "cryptomatte"] chooses, as --layers does.
         working_space="acescg" computes light in ACEScg; the picture's numbers are linear Rec. 709 all the same.
         light_groups=True adds a layer for each light group, which `Picture.relight` mixes.

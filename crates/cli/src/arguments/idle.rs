@@ -145,7 +145,7 @@ fn of_integrator(integrator: Integrator, tell: &mut impl FnMut(&[(&str, &str)], 
         tell(&[("pixel_noise", "--pixel-noise")], &why);
     }
     if integrator != Integrator::Path {
-        tell(&[("guide", "--guide")], &why);
+        tell(&[("guide", "--guide"), ("caustics", "--caustics")], &why);
     }
     match integrator {
         Integrator::Whitted => tell(&[("clamp", "--clamp")], &why),

@@ -9,7 +9,7 @@ use clap::Args;
 use gnurt::accel::Memory;
 use gnurt::display_rules::TONE;
 use gnurt::image::{ExrCompression, ExrPixels, Picture, ToneCurve, WorkingSpace, WriteOptions, exposure_for};
-use gnurt::render::{Guiding, Integrator, PixelNoise, ReconstructionFilter};
+use gnurt::render::{Caustics, Guiding, Integrator, PixelNoise, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
 use gnurt::{Fog, Surroundings, VolumeFile};
@@ -90,6 +90,9 @@ pub(crate) struct FrameArguments {
     /// finds that it pays
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "off")]
     pub(crate) guide: Guiding,
+    /// path: search for lamps that mirrors and smooth glass show to rough surfaces: on, off, or auto = lamps without extent and small ones
+    #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "WHICH", value_parser = value::caustics, allow_hyphen_values = true, default_value = "off")]
+    pub(crate) caustics: Caustics,
     /// ir, bir, mir: interleaved sampling in patterns of NxN pixels: N^2 times fewer rays, slightly blurred; 1, 3, 5 or 7;
     /// 1 = each pixel uses all virtual lights
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::interleave, allow_hyphen_values = true, default_value = "1")]

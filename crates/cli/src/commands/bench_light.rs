@@ -44,6 +44,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
         vpls: arguments.vpls,
         clamp: arguments.clamp,
         guiding: arguments.guide,
+        caustics: arguments.caustics,
         level,
         ..RenderOptions::default()
     };

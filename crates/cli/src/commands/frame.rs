@@ -529,6 +529,7 @@ pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptio
         vpls: frame.vpls,
         clamp: frame.clamp,
         guiding: frame.guide,
+        caustics: frame.caustics,
         noise: frame.noise,
         interleave: frame.interleave,
         level,

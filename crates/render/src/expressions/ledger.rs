@@ -115,6 +115,25 @@ impl Ledger {
         deposit(&self.paths, self.shares.of(number), (lane, light), end, &mut self.layers);
     }
 
+    /// Path `number` found light over further events, one after the other.
+    pub(crate) fn found_beyond(
+        &mut self,
+        number: usize,
+        events: &[&[(Scatter, Vec3)]],
+        (lane, light): (u32, Vec3),
+        end: End,
+    ) {
+        let mut shares = Shares::default();
+        shares.all.extend_from_slice(self.shares.of(number));
+        shares.close();
+        for events in events {
+            let mut next = Shares::default();
+            advance(&self.paths, shares.of(0), events, &mut next);
+            shares = next;
+        }
+        deposit(&self.paths, shares.of(0), (lane, light), end, &mut self.layers);
+    }
+
     /// Light `k` that might have been occluded arrived.
     pub(crate) fn arrived(&mut self, k: usize, (lane, light): (u32, Vec3)) {
         let end = self.lights[k];

@@ -22,6 +22,7 @@ use crate::seen::most_edges;
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::transport::absorption::absorb;
 use crate::transport::links::LinkedPaths;
+use crate::transport::manifold;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
@@ -39,6 +40,7 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         paths.set_media(has_media);
         paths.set_bodies(media.has_bodies());
         paths.set_guided(tracer.guide.is_some());
+        paths.set_chains(tracer.caustics.is_some());
     }
     wavefront.paths.start(camera.rays);
     let lanes = if tracer.options.seen { camera.rays.len() } else { 0 };
@@ -214,13 +216,26 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
             medium,
             shares,
             guide: tracer.guide,
+            caustics: tracer.caustics,
         };
-        let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
-        let held = Some(&mut tracer.held).filter(|held| !held.is_empty());
-        let seen = options.seen.then_some(&mut *seen);
-        let recorder = recorder.as_mut();
-        let mut onward = Onward { next, unshadowed, radiance, ledger, linked, recorder, seen, held };
+        let mut onward = Onward {
+            next,
+            unshadowed,
+            radiance,
+            ledger: ledger.as_mut(),
+            linked: linked.as_mut(),
+            recorder: recorder.as_mut(),
+            seen: options.seen.then_some(&mut *seen),
+            held: Some(&mut tracer.held).filter(|held| !held.is_empty()),
+        };
         scatter(&met, &mut onward);
+        if met.caustics.is_some() {
+            let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
+            let (recorder, seen) = (recorder.as_mut(), options.seen.then_some(&mut *seen));
+            let mut onward =
+                Onward { next, unshadowed, radiance, ledger, linked, recorder, seen, held: None };
+            manifold::connect(tracer, &met, &mut onward);
+        }
     });
 }
 
@@ -260,6 +275,8 @@ fn leave(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, ra
             medium,
             shares,
             guide,
+            // Lamps beyond are found by chance.
+            caustics: None,
         };
         let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
         let (recorder, seen, held) = (recorder.as_mut(), None, None);

@@ -46,6 +46,11 @@ impl Random {
         Self { first: None, state: Self::state(seed, key, [edges, 0, 3]), count: 0 }
     }
 
+    /// Those of the search for a lamp behind smooth surfaces, from the end of an edge.
+    pub(super) fn of_caustic(seed: u64, key: SampleKey, edges: u32) -> Self {
+        Self { first: None, state: Self::state(seed, key, [edges, 0, 5]), count: 0 }
+    }
+
     pub(super) fn next(&mut self) -> f32 {
         let count = self.count;
         self.count += 1;

@@ -9,6 +9,7 @@ mod equiangular;
 mod flight;
 mod light_samples;
 pub(crate) mod links;
+pub(crate) mod manifold;
 pub(crate) mod media;
 mod medium_vertices;
 pub(crate) mod mis;

@@ -14,6 +14,7 @@ use gnurt_shading::{Bounces, RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
 use super::below::Walks;
 use super::links::LinkedPaths;
+use super::manifold::Chain;
 use super::medium_vertices::MediumVertices;
 use super::through::Through;
 use crate::cone::{Cone, Cones};
@@ -45,6 +46,8 @@ pub(crate) struct Path {
     /// The trail that a recorder keeps of it, and the factor by which roulette spares it: meant if paths are guided.
     pub(crate) trail: u32,
     pub(crate) spared: f32,
+    /// Smooth surfaces since it was scattered.
+    pub(crate) chain: Chain,
 }
 
 /// Where a ray was scattered with a density.
@@ -85,6 +88,9 @@ pub(crate) struct Paths {
     pub(crate) trail: Vec<u32>,
     pub(crate) spared: Vec<f32>,
     is_guided: bool,
+    /// Smooth surfaces since each was scattered; empty if nobody asks.
+    pub(crate) chain: Vec<Chain>,
+    has_chains: bool,
     /// The next ray of each.
     rays: RayBatch,
     cones: Cones,
@@ -159,6 +165,7 @@ impl Paths {
             scattered: self.scattered[i],
             trail: self.trail_of(i),
             spared: self.spared_of(i),
+            chain: self.chain_of(i),
             from: (pdf != NOWHERE).then(|| Origin { p: self.from_p.get(i), ns: self.from_ns.get(i), pdf }),
         }
     }
@@ -197,6 +204,17 @@ impl Paths {
     pub(crate) fn set_guided(&mut self, is_guided: bool) {
         self.is_guided = is_guided;
         self.capacity = 0;
+    }
+
+    /// Sets whether smooth surfaces on their way are counted.
+    pub(crate) fn set_chains(&mut self, has_chains: bool) {
+        self.has_chains = has_chains;
+        self.capacity = 0;
+    }
+
+    /// The smooth surfaces on path `i`.
+    pub(crate) fn chain_of(&self, i: usize) -> Chain {
+        if self.has_chains { self.chain[i] } else { Chain::default() }
     }
 
     /// The trail of path `i`.
@@ -240,6 +258,10 @@ impl Paths {
             self.trail.resize(n, 0);
             self.spared.clear();
             self.spared.resize(n, 1.0);
+        }
+        if self.has_chains {
+            self.chain.clear();
+            self.chain.resize(n, Chain::default());
         }
     }
 
@@ -305,6 +327,9 @@ impl Paths {
             self.trail.resize(n, 0);
             self.spared.resize(n, 1.0);
         }
+        if self.has_chains {
+            self.chain.resize(n, Chain::default());
+        }
         self.cones.resize(n);
         self.rays.org.iter_mut().chain(&mut self.rays.dir).for_each(|array| array.resize(n, 0.0));
     }
@@ -349,6 +374,9 @@ impl Paths {
                 self.trail[self.count] = of.paths.trail_of(number);
                 self.spared[self.count] = of.paths.spared_of(number);
             }
+            if self.has_chains {
+                self.chain[self.count] = of.paths.chain_of(number).lost();
+            }
             let [delta, transmitted, wide] = next.how.map(|bits| bits >> i & 1 != 0);
             let kind = RayKind::of(delta, transmitted, wide);
             self.cones.kind[self.count] = kind;
@@ -377,6 +405,9 @@ impl Paths {
         }
         if self.is_guided {
             (self.trail[at], self.spared[at]) = (path.trail, path.spared);
+        }
+        if self.has_chains {
+            self.chain[at] = path.chain;
         }
         self.from_ns.set(at, from.ns);
         self.from_pdf[at] = from.pdf;

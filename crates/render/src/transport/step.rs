@@ -15,6 +15,7 @@ use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Bounces, Leaving, RayKind, SurfaceBatch, Vec3s};
 
 use super::links::LinkedPaths;
+use super::manifold::{self, Caustics, Chain};
 use super::mis::{most_light_samples, power_heuristic, weigh};
 use super::paths::{Boundary, NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::{LightRequests, Width, for_each_light_sample};
@@ -52,6 +53,8 @@ pub(crate) struct Met<'a> {
     pub(crate) shares: &'a [f32],
     /// Where light comes from, if paths are guided.
     pub(crate) guide: Option<&'a Guide>,
+    /// What searches for lamps behind smooth surfaces know, if points make them.
+    pub(crate) caustics: Option<&'a Caustics>,
 }
 
 /// Where the step leads.
@@ -116,6 +119,44 @@ impl Met<'_> {
             *held = if is_one { Held::ALL } else { Held { share, is_dark: false } };
         }
         is_one
+    }
+
+    /// Where the path at point `k` left its last vertex.
+    fn left(&self, k: usize) -> Vec3 {
+        let path = self.path(k);
+        // Rays beyond transparent parts begin there.
+        if path.layers > 0 { path.start } else { self.from.rays.get(self.numbers[k] as usize).org.into() }
+    }
+
+    /// The weight of the lamp at point `k` that searches may find, too.
+    fn beside_searches(&self, lights: &LightSet, path: &Path, k: usize) -> f32 {
+        let (Some(caustics), dir) = (self.caustics, self.points.ray_dir.get(k)) else { return 1.0 };
+        let Some(triangle) = lights.triangle(self.ids(k), dir) else { return 1.0 };
+        let Some(area) = lights.area_across(LightId(triangle), dir) else { return 1.0 };
+        let probability = caustics.probability(triangle);
+        let dist = (self.points.p.get(k) - self.left(k)).length();
+        if probability > 0.0 { path.chain.weight(dir, dist, (area, probability)) } else { 1.0 }
+    }
+
+    /// Whether the path at point `k` sees a hole there.
+    pub(crate) fn is_hidden(&self, k: usize, path: &Path) -> bool {
+        is_hole(self.world, path.edges, self.points.inst_id[k])
+    }
+
+    /// The smooth surfaces on a path that goes on from point `k` to `wi`: by a delta lobe, or with this density of its direction.
+    fn chain(&self, k: usize, (wi, transmitted): (Vec3, bool), density: Option<f32>) -> Chain {
+        let Some(caustics) = self.caustics else { return Chain::default() };
+        let number = self.numbers[k] as usize;
+        let before = self.paths.chain_of(number);
+        match density {
+            Some(density) => {
+                before.rough(density, manifold::chance(before, self.paths.throughput.get(number)))
+            }
+            None => {
+                let (of, surface) = ((self.world, caustics), (self.points, self.closures));
+                manifold::turned(of, surface, (k, self.left(k)), (wi, transmitted), before)
+            }
+        }
     }
 
     /// Whether light is absorbed between surfaces by the rule of the ends, not by media that paths fly through.
@@ -227,7 +268,7 @@ impl Met<'_> {
         {
             return Vec3::ZERO;
         }
-        let weight = weigh(lights, path, ids, points.p.get(k), dir);
+        let weight = weigh(lights, path, ids, points.p.get(k), dir) * self.beside_searches(lights, path, k);
         match lights.triangle(ids, dir) {
             Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {
                 let position = [points.u[k], points.v[k]];
@@ -588,6 +629,13 @@ fn go_on<R: Real>(
     let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how, seen, boundary };
     let first_new = onward.next.count();
     onward.next.push_all(alive & sends, of, &next);
+    if met.caustics.is_some() {
+        for (n, i) in LanesOf(R::bits(alive & sends)).enumerate() {
+            let turn = (chosen.wi.get(i), how[1] >> i & 1 != 0);
+            let density = (how[0] >> i & 1 == 0).then(|| of_lobes.lane(i));
+            onward.next.chain[first_new + n] = met.chain(first + i, turn, density);
+        }
+    }
     if let Some(mixture) = mixture {
         for (n, i) in LanesOf(R::bits(alive & sends)).enumerate() {
             onward.next.spared[first_new + n] = spared.lane(i);

@@ -6,6 +6,8 @@
 //! Tests: crates/render/tests/{commit,edits}.rs.
 
 mod areas;
+mod bend;
+mod casters;
 mod check;
 mod commit;
 mod crowds;
@@ -47,6 +49,8 @@ use gnurt_shading::lights::LightSet;
 use gnurt_shading::{PixelShader, SampleKey, SceneNames, SurfaceShader};
 
 use crate::many_lights::PluginEmitters;
+pub(crate) use bend::Bend;
+pub(crate) use casters::PlacedMesh;
 use crowds::Crowds;
 use dirty::Displaced;
 use emitters::Shown;

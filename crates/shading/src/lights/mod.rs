@@ -4,6 +4,7 @@
 
 mod area;
 mod environment;
+mod lamp_points;
 mod light_emission;
 mod light_groups;
 mod light_lanes;
@@ -21,6 +22,7 @@ pub use area::{
     EmissiveTriangle, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, TriangleLights, looking_at,
 };
 pub use environment::{ConstantEnvironment, PictureEnvironment};
+pub use lamp_points::{LampPoint, Place};
 pub use light_emission::LightRay;
 pub use light_lanes::{LightSampleX16, LightSamples};
 pub use light_parts::{EnvironmentLight, LightId, LightKind, LightParts, LightSample};

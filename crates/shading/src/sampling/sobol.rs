@@ -29,6 +29,10 @@ pub mod purpose {
     pub const FLIGHT: u32 = 8;
     /// A distance in a medium by the angle at which a lamp is seen.
     pub const LAMP_DISTANCE: u32 = 9;
+    /// Choice of a lamp behind smooth surfaces, and whether to search for it.
+    pub const CAUSTIC: u32 = 10;
+    /// Position on that lamp.
+    pub const CAUSTIC_POSITION: u32 = 11;
     /// Choice of a light of the first group, and the position on it, where groups are sampled one by one; group i has
     /// `LIGHT_GROUP + i`.
     pub const LIGHT_GROUP: u32 = 0x10;

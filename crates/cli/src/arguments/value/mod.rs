@@ -26,8 +26,8 @@ pub(crate) use gain::gain;
 pub(crate) use layers::layers;
 pub(crate) use moment::{FrameRange, frames, frames_per_second, seconds, shutter, time};
 pub(crate) use sampling::{
-    clamp, depth, guide, integrator, interleave, isa, mebibytes, memory, noise, pixel_noise, samples, seed,
-    threads, tolerance, virtual_lights,
+    caustics, clamp, depth, guide, integrator, interleave, isa, mebibytes, memory, noise, pixel_noise,
+    samples, seed, threads, tolerance, virtual_lights,
 };
 pub(crate) use shader::{CameraChoice, ShaderChoice, camera, pixel_shader, shader, surroundings};
 pub(crate) use usd::{subdivision, up_axis, variant};

@@ -3,7 +3,7 @@
 //! `value/mod.rs`.
 
 use gnurt::accel::Memory;
-use gnurt::render::{Guiding, Integrator, PixelNoise};
+use gnurt::render::{Caustics, Guiding, Integrator, PixelNoise};
 use gnurt::simd::Level;
 
 use super::plain::{by_name, whole};
@@ -78,6 +78,11 @@ pub(crate) fn pixel_noise(name: &str) -> Result<PixelNoise, String> {
 /// When paths are guided.
 pub(crate) fn guide(name: &str) -> Result<Guiding, String> {
     by_name("choice", name, &Guiding::ALL[..])
+}
+
+/// Which lamps behind smooth surfaces are searched for.
+pub(crate) fn caustics(name: &str) -> Result<Caustics, String> {
+    by_name("choice", name, &Caustics::ALL[..])
 }
 
 /// The memory layout of trees.

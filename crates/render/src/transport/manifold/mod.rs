@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Caustics: light of small lamps that smooth surfaces bring to rough ones, by specular manifold sampling.
+//! From a rough point a chain of mirrors and smooth glass is sought that ends at a chosen point of a lamp: a walk begins at a
+//! chosen point of a smooth surface and corrects its first direction by Newton's method. The light of the chain that it arrives
+//! at counts once over the chance to arrive there, which is counted by further walks.
+//! Source: [ZGJ20] (unbiased variant), [HDF15]; ray differentials [Ige99] in place of half vectors.
+//! A scattered ray that meets some smooth surfaces and then such a lamp is weighed against searches (`chain`). Delta lamps straight
+//! through glass are those of `panes`.
+//! Space: world. Invariants: the result of a path depends on its ray and key only; without smooth surfaces or lamps nothing
+//! changes. Tests: crates/render/tests/caustics.rs.
+
+mod chain;
+mod connect;
+mod differential;
+mod find;
+mod known;
+mod search;
+mod smooth;
+mod trace;
+mod trials;
+mod turn;
+mod walk;
+
+pub(crate) use chain::Chain;
+pub(crate) use connect::{chance, connect};
+pub(crate) use find::find;
+pub(crate) use known::Caustics;
+pub(crate) use turn::turned;

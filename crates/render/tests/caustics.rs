@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Searches for lamps behind mirrors and glass: closed forms of plane mirrors and slabs, brute force, the same bytes however a
+//! picture is divided, and without smooth surfaces.
+
+use std::f64::consts::PI;
+
+use crate::common::*;
+use gnurt_image::Picture;
+use gnurt_render::{
+    Accumulation, Caustics, Integrator, Piece, RenderOptions, SceneCamera, Silent, World, render,
+};
+use gnurt_scene::detail::Interior;
+use gnurt_scene::material::Color;
+use gnurt_scene::{Light, Material, MaterialId, Mesh, Primitives, Scene, Surface};
+use gnurt_simd::Level;
+
+const ALBEDO: f32 = 0.6;
+
+fn with(spp: u32, max_depth: u32, caustics: Caustics) -> RenderOptions {
+    RenderOptions { integrator: Integrator::Path, max_depth, caustics, ..options(4, 4, spp) }
+}
+
+/// Radiance near the origin, seen from just above.
+fn measured(world: &World, options: &RenderOptions) -> f64 {
+    let view = camera([0.01, 0.0, 0.05], [0.0; 3], 0.01);
+    mean(&render(world, &view, options, &pool(2), &Silent).expect("sound options").picture)[0]
+}
+
+fn mirror(scene: &mut Scene) -> MaterialId {
+    scene.add_material(Material::of("", Surface::Mirror { reflectance: Color::constant([0.9; 3]) }))
+}
+
+fn glass(scene: &mut Scene, ior: f32, interior: Interior) -> MaterialId {
+    let (reflectance, transmittance) = ([1.0; 3], [1.0; 3]);
+    scene.add_material(Material::of("", Surface::Dielectric { ior, reflectance, transmittance, interior }))
+}
+
+/// A wall of mirror at x = 2 shows each lamp once more.
+#[test]
+fn plane_mirrors_show_lamps_once_more() {
+    let lamp = [1.0, 0.5, 1.5];
+    for kind in 0..3 {
+        let mut scene = floor(ALBEDO, 20.0);
+        let mirror = mirror(&mut scene);
+        put_mesh(&mut scene, quad([2.0, -20.0, 0.0], [0.0, 0.0, 20.0], [0.0, 40.0, 0.0], mirror));
+        let lit = |x: f64| 7.0 * 1.5 / (x * x + 0.25 + 2.25).powf(1.5);
+        let (direct, image) = [(lit(1.0), lit(3.0)), (0.0, lit(3.0)), (1.6, 1.6)][kind];
+        let light = match kind {
+            0 => Light::Point { position: lamp, intensity: [7.0; 3] },
+            // From behind it lights the mirror only.
+            1 => Light::Spot {
+                position: lamp,
+                direction: [1.0, -0.5 / 3.0, -0.5],
+                intensity: [7.0; 3],
+                inner_angle: 0.4,
+                outer_angle: 0.5,
+            },
+            _ => Light::Directional { direction: [0.6, 0.0, -0.8], irradiance: [2.0; 3] },
+        };
+        scene.add_light(light);
+        let world = world_of(&scene, false);
+        let scale = f64::from(ALBEDO) / PI;
+        for (caustics, share) in [(Caustics::Off, 0.0), (Caustics::Auto, 0.9), (Caustics::On, 0.9)] {
+            let expected = scale * (direct + share * image);
+            let found = measured(&world, &with(512, 3, caustics));
+            assert!(
+                (found - expected).abs() <= 5e-3 * expected.max(1e-3),
+                "{kind} {caustics}: {found}, not {expected}"
+            );
+        }
+        let few = measured(&world, &with(4, 2, Caustics::On));
+        assert!((few - scale * direct).abs() <= 1e-3 * direct, "{kind}: two edges are too few: {few}");
+    }
+}
+
+/// Share of unpolarized light that a face of glass lets through, at the sine outside.
+fn face(sine: f64, ior: f64) -> f64 {
+    let (cos, inside) = ((1.0 - sine * sine).sqrt(), (1.0 - (sine / ior).powi(2)).sqrt());
+    let (s, p) = ((cos - ior * inside) / (cos + ior * inside), (ior * cos - inside) / (ior * cos + inside));
+    1.0 - (s * s + p * p) / 2.0
+}
+
+/// Irradiance of a floor `across` from the foot of a point lamp of intensity 1, `open` of whose height is air and the rest a slab
+/// that absorbs by Beer's law.
+fn behind_a_slab(across: f64, open: f64, thickness: f64, ior: f64, absorption: f64) -> f64 {
+    let inside = |sine: f64| (1.0 - (sine / ior).powi(2)).sqrt();
+    let reach =
+        |sine: f64| open * sine / (1.0 - sine * sine).sqrt() + thickness * (sine / ior) / inside(sine);
+    let (mut low, mut high) = (0.0, 1.0 - 1e-9);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if reach(middle) < across { low = middle } else { high = middle }
+    }
+    let (sine, step) = (low, 1e-5);
+    let slope = (reach(sine + step) - reach(sine - step)) / (2.0 * step);
+    let cos = (1.0 - sine * sine).sqrt();
+    // Solid angle over area, ring by ring; the angle's change is that of its sine over its cosine.
+    sine / (cos * slope * across) * face(sine, ior).powi(2) * (-absorption * thickness / inside(sine)).exp()
+}
+
+/// A level slab from 0.5 to 1, over the whole floor.
+fn slab(scene: &mut Scene, glass: MaterialId) {
+    put_mesh(scene, quad([-20.0, -20.0, 1.0], [40.0, 0.0, 0.0], [0.0, 40.0, 0.0], glass));
+    put_mesh(scene, quad([-20.0, -20.0, 0.5], [0.0, 40.0, 0.0], [40.0, 0.0, 0.0], glass));
+}
+
+/// A point lamp above a slab: it bends light, so that light samples do not find it.
+#[test]
+fn slabs_bend_the_light_of_points() {
+    let (ior, density) = (1.5, 0.7_f64);
+    for (across, absorbs) in [(0.5_f64, false), (2.0, false), (2.0, true)] {
+        let mut scene = floor(ALBEDO, 20.0);
+        let interior = Interior {
+            attenuation_color: [(-density).exp() as f32; 3],
+            attenuation_distance: if absorbs { 1.0 } else { f32::INFINITY },
+            ..Interior::default()
+        };
+        let glass = glass(&mut scene, ior as f32, interior);
+        slab(&mut scene, glass);
+        scene.add_light(Light::Point { position: [across as f32, 0.0, 2.0], intensity: [7.0; 3] });
+        let world = world_of(&scene, false);
+        let absorption = if absorbs { density } else { 0.0 };
+        let expected = f64::from(ALBEDO) / PI * 7.0 * behind_a_slab(across, 1.5, 0.5, ior, absorption);
+        let found = measured(&world, &with(2048, 4, Caustics::Auto));
+        assert_close(found, expected, 0.04, &format!("{across} across"));
+        assert_eq!(measured(&world, &with(16, 4, Caustics::Off)), 0.0, "by chance nothing");
+        assert_eq!(measured(&world, &with(16, 3, Caustics::Auto)), 0.0, "too few edges");
+    }
+}
+
+/// The sun straight through a pane is that of light samples; a search does not count it again.
+#[test]
+fn the_sun_through_a_window_counts_once() {
+    let mut scene = floor(ALBEDO, 20.0);
+    let glass = glass(&mut scene, 1.5, Interior::default());
+    slab(&mut scene, glass);
+    scene.add_light(Light::Directional { direction: [0.6, 0.0, -0.8], irradiance: [2.0; 3] });
+    let world = world_of(&scene, false);
+    let [off, on] = [Caustics::Off, Caustics::On].map(|caustics| measured(&world, &with(16, 4, caustics)));
+    assert_close(off, f64::from(ALBEDO) / PI * 1.6 * face(0.6, 1.5).powi(2), 1e-3, "by light samples");
+    assert_close(on, off, 1e-6, "and with searches");
+}
+
+/// A small lamp, a ball of glass and a bowl of mirror on a floor.
+fn ball_and_bowl(has_ball: bool, spheres: bool) -> (World, SceneCamera) {
+    let mut scene = floor(0.7, 6.0);
+    let lamp = emitter(&mut scene, [60.0, 50.0, 40.0]);
+    put_mesh(&mut scene, quad([-1.2, -0.8, 2.8], [0.0, 0.3, 0.0], [0.3, 0.0, 0.0], lamp));
+    let [glass, mirror] = [glass(&mut scene, 1.5, Interior::default()), mirror(&mut scene)];
+    if has_ball && spheres {
+        let ball = Mesh {
+            positions: vec![[0.6, 0.3, 0.61]],
+            primitives: Primitives::Spheres(vec![0.6]),
+            material: glass,
+            ..Default::default()
+        };
+        put_mesh(&mut scene, ball);
+    } else if has_ball {
+        put_mesh(&mut scene, sphere([0.6, 0.3, 0.61], 0.6, 24, glass));
+    } else {
+        put_mesh(&mut scene, sphere([0.9, 0.4, 0.4], 0.8, 20, mirror));
+    }
+    (world_of(&scene, false), camera([-3.0, -3.0, 3.0], [0.3, 0.2, 0.1], 50.0))
+}
+
+fn small(spp: u32, caustics: Caustics) -> RenderOptions {
+    RenderOptions { integrator: Integrator::Path, max_depth: 7, caustics, ..options(32, 24, spp) }
+}
+
+fn picture_of((world, view): &(World, SceneCamera), options: &RenderOptions, threads: usize) -> Picture {
+    render(world, view, options, &pool(threads), &Silent).expect("sound options").picture
+}
+
+/// The mean of the picture and its standard error, over pictures of many seeds.
+fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: u64) -> [f64; 2] {
+    let mean_of = |seed| mean(&picture_of(of, &RenderOptions { seed: 100 + seed, ..options.clone() }, 2))[1];
+    let means: Vec<f64> = (0..seeds).map(mean_of).collect();
+    let n = seeds as f64;
+    let all = means.iter().sum::<f64>() / n;
+    let error = means.iter().map(|mean| (mean - all).powi(2)).sum::<f64>() / (n - 1.0) / n;
+    [all, error.sqrt()]
+}
+
+/// Pictures of caustics on the floor: means stay, noise falls.
+#[test]
+fn the_mean_is_that_of_scattered_rays() {
+    for (has_ball, spheres) in [(true, false), (true, true), (false, false)] {
+        let (world, _) = ball_and_bowl(has_ball, spheres);
+        let of = match has_ball {
+            true => (world, camera([1.2, 0.6, 4.0], [1.2, 0.65, 0.0], 12.0)),
+            false => (world, camera([-0.4, -0.3, 4.0], [-0.4, -0.35, 0.0], 12.0)),
+        };
+        let [off, off_error] = statistics(&of, &small(256, Caustics::Off), 6);
+        let [on, on_error] = statistics(&of, &small(24, Caustics::On), 6);
+        let [few, _] = statistics(&of, &RenderOptions { max_depth: 2, ..small(64, Caustics::Off) }, 2);
+        let error = off_error.hypot(on_error);
+        assert!(few < 0.97 * off, "there are caustics: {few} of {off} is direct, {on} with searches");
+        assert!(error < 0.02 * off, "enough samples to tell: {off} within {error}");
+        assert!((on - off).abs() < 4.0 * error, "searched {on}, by chance {off}, standard error {error}");
+    }
+}
+
+fn bits(picture: &Picture) -> Vec<[u32; 4]> {
+    picture.color.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// Threads, levels, pieces and checkpoints.
+#[test]
+fn divided_pictures_have_the_same_bytes() {
+    let of = ball_and_bowl(true, false);
+    let (world, view) = &of;
+    let options = small(2, Caustics::On);
+    let whole = picture_of(&of, &options, 1);
+    let off = picture_of(&of, &small(2, Caustics::Off), 2);
+    assert!(bits(&whole) != bits(&off), "searches are made");
+    assert!(bits(&whole) == bits(&picture_of(&of, &options, 3)), "three threads");
+    for level in Level::available() {
+        let other = picture_of(&of, &RenderOptions { level, ..options.clone() }, 2);
+        assert!(bits(&whole) == bits(&other), "at {level}");
+    }
+    let mut joined = bits(&off);
+    for index in 0..3 {
+        let piece = Some(Piece { index, count: 3 });
+        let part = picture_of(&of, &RenderOptions { piece, ..options.clone() }, 2);
+        for (joined, part) in joined.iter_mut().zip(bits(&part)) {
+            if f32::from_bits(part[3]) > 0.0 {
+                *joined = part;
+            }
+        }
+    }
+    assert!(bits(&whole) == joined, "three pieces");
+    let mut first = Accumulation::new(options.clone()).expect("sound");
+    first.pass(world, view, 1, &pool(2), &Silent);
+    let bytes = first.to_bytes(7);
+    let mut resumed = Accumulation::from_bytes(options, 7, &bytes).expect("it was just written");
+    while !resumed.is_complete() {
+        resumed.pass(world, view, 1, &pool(2), &Silent);
+    }
+    assert!(bits(&whole) == bits(&resumed.picture()), "broken off and gone on");
+}
+
+#[test]
+fn pictures_without_smooth_surfaces_keep_their_bytes() {
+    let mut scene = floor(0.5, 5.0);
+    let rough = matte(&mut scene, [0.6, 0.3, 0.2]);
+    put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 12, rough));
+    scene.add_light(Light::Point { position: [1.0, -1.0, 3.0], intensity: [7.0; 3] });
+    let of = (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0));
+    let off = bits(&picture_of(&of, &small(4, Caustics::Off), 2));
+    for caustics in [Caustics::Auto, Caustics::On] {
+        assert!(off == bits(&picture_of(&of, &small(4, caustics), 2)), "{caustics}: nothing to search at");
+    }
+}

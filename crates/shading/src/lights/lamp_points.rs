@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Points of lamps, chosen without a point that they light: the ends of paths that are searched for as a whole.
+//! Source: [PJH23] section 12.6 (areas); original. Space: world. Environments and lights of plugins have none.
+//! Tests: crates/render/tests/caustics.rs.
+
+use glam::Vec3;
+use gnurt_image::srgb::luminance;
+
+use super::light_parts::{LightId, LightKind};
+use super::light_set::LightSet;
+use crate::sampling;
+
+/// Where a lamp is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// A point.
+    At(Vec3),
+    /// So far away that only the unit direction to it counts.
+    Towards(Vec3),
+}
+
+/// A point of a lamp.
+#[derive(Clone, Copy, Debug)]
+pub struct LampPoint {
+    /// Which lamp.
+    pub light: LightId,
+    /// Where.
+    pub place: Place,
+    /// Whether no scattered ray could meet it.
+    pub delta: bool,
+    /// On a triangle.
+    uv: [f32; 2],
+}
+
+impl LightSet {
+    /// A point of a lamp by two numbers in [0, 1), uniform by area.
+    #[must_use]
+    pub fn lamp_point(&self, light: LightId, u: [f32; 2]) -> Option<LampPoint> {
+        let (mut uv, mut delta) = ([0.0; 2], true);
+        let place = match self.kind(light) {
+            LightKind::Triangle(i) => {
+                let shape = &self.parts.triangles.as_ref()?.shapes[i as usize];
+                (uv, delta) = (sampling::triangle(u), false);
+                Place::At(shape.point(uv) + shape.normal * shape.rounding(Vec3::ZERO))
+            }
+            LightKind::Point(i) => Place::At(self.parts.points[i as usize].position),
+            LightKind::Spot(i) => Place::At(self.parts.spots[i as usize].position),
+            LightKind::Directional(i) => Place::Towards(self.parts.directionals[i as usize].towards),
+            LightKind::Environment => return None,
+        };
+        Some(LampPoint { light, place, delta, uv })
+    }
+
+    /// What comes from a point of a lamp to where it is seen in the unit direction `dir`, `dist` away: radiance times projected
+    /// area over the density of the point, W·sr⁻¹; the irradiance of a surface that faces a lamp without a position.
+    #[must_use]
+    pub fn intensity(&self, from: &LampPoint, dir: Vec3, dist: f32) -> Vec3 {
+        match self.kind(from.light) {
+            LightKind::Triangle(i) => {
+                let Some(triangles) = &self.parts.triangles else { return Vec3::ZERO };
+                let shape = &triangles.shapes[i as usize];
+                let cos = -shape.normal.dot(dir);
+                if cos <= 0.0 {
+                    return Vec3::ZERO;
+                }
+                triangles.radiance(i as usize, from.uv, dir, dist) * (cos * shape.area)
+            }
+            LightKind::Point(i) => self.parts.points[i as usize].intensity,
+            LightKind::Spot(i) => {
+                let spot = &self.parts.spots[i as usize];
+                spot.intensity * spot.falloff(-dir.dot(spot.axis))
+            }
+            LightKind::Directional(i) => self.parts.directionals[i as usize].irradiance,
+            LightKind::Environment => Vec3::ZERO,
+        }
+    }
+
+    /// About the brightness of a lamp along its axis, in the unit of [`intensity`](Self::intensity).
+    #[must_use]
+    pub fn brightness(&self, light: LightId) -> f32 {
+        let bright = |color: Vec3| luminance(color.into());
+        match self.kind(light) {
+            LightKind::Triangle(i) => {
+                self.parts.triangles.as_ref().map_or(0.0, |triangles| triangles.shapes[i as usize].power)
+            }
+            LightKind::Point(i) => bright(self.parts.points[i as usize].intensity),
+            LightKind::Spot(i) => bright(self.parts.spots[i as usize].intensity),
+            LightKind::Directional(i) => bright(self.parts.directionals[i as usize].irradiance),
+            LightKind::Environment => 0.0,
+        }
+    }
+
+    /// The area of an emissive triangle as it is seen along the unit direction `dir`; `None` for other lights.
+    #[must_use]
+    pub fn area_across(&self, light: LightId, dir: Vec3) -> Option<f32> {
+        let shape = self.parts.triangles.as_ref()?.shapes.get(light.0 as usize)?;
+        Some(shape.area * shape.normal.dot(dir).abs())
+    }
+
+    /// The corners of an emissive triangle.
+    #[must_use]
+    pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        self.parts.triangles.as_ref()?.shapes.get(triangle as usize).map(|shape| shape.p)
+    }
+
+    /// The names of hits on emissive triangles, by light: leaf, mesh, triangle.
+    #[must_use]
+    pub fn triangle_ids(&self) -> &[[u32; 3]] {
+        &self.parts.triangle_ids
+    }
+}
