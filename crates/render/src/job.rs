@@ -56,7 +56,7 @@ pub(crate) struct Job<'a> {
     pub(crate) light_paths: Option<Arc<LightPaths>>,
     /// Where light comes from, and from which sample on paths are guided by it.
     pub(crate) guide: Option<(&'a Guide, u32)>,
-    /// What searches for lamps behind smooth surfaces know, if paths make them.
+    /// Smooth surfaces and lamps of searches, if paths make them.
     pub(crate) caustics: Option<Arc<Caustics>>,
     /// Lights that do not reach everything, if there are any.
     pub(crate) links: Option<Arc<LightLinks>>,

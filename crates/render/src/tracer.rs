@@ -78,7 +78,7 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) guide: Option<&'w Guide>,
     /// The same for samples from a number on.
     pub(crate) guide_from: Option<(&'w Guide, u32)>,
-    /// What searches for lamps behind smooth surfaces know, if paths make them.
+    /// Smooth surfaces and lamps of searches, if paths make them.
     pub(crate) caustics: Option<&'w Caustics>,
     /// How pixels share virtual lights out.
     pub(crate) sharing: Sharing,

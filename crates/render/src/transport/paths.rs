@@ -88,7 +88,7 @@ pub(crate) struct Paths {
     pub(crate) trail: Vec<u32>,
     pub(crate) spared: Vec<f32>,
     is_guided: bool,
-    /// Smooth surfaces since each was scattered; empty if nobody asks.
+    /// Smooth surfaces since each was scattered; empty if none searches.
     pub(crate) chain: Vec<Chain>,
     has_chains: bool,
     /// The next ray of each.

@@ -53,7 +53,7 @@ pub(crate) struct Met<'a> {
     pub(crate) shares: &'a [f32],
     /// Where light comes from, if paths are guided.
     pub(crate) guide: Option<&'a Guide>,
-    /// What searches for lamps behind smooth surfaces know, if points make them.
+    /// Smooth surfaces and lamps of searches, if points make them.
     pub(crate) caustics: Option<&'a Caustics>,
 }
 
@@ -149,9 +149,7 @@ impl Met<'_> {
         let number = self.numbers[k] as usize;
         let before = self.paths.chain_of(number);
         match density {
-            Some(density) => {
-                before.rough(density, manifold::chance(before, self.paths.throughput.get(number)))
-            }
+            Some(density) => before.rough(density, before.chance(self.paths.throughput.get(number))),
             None => {
                 let (of, surface) = ((self.world, caustics), (self.points, self.closures));
                 manifold::turned(of, surface, (k, self.left(k)), (wi, transmitted), before)

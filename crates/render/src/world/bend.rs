@@ -2,7 +2,7 @@
 //! How shading normals change over a surface, and how the starts of mirrored rays do.
 //! Source: [Ige99] section 3.2 (derivatives of interpolated normals); [Hanika2021] (`lift`). Space: world.
 //! Differs: spheres by their form; moving meshes at the time of the ray's key.
-//! Invariant: the derivatives are those of what `surface` computes. Tests: `tests` in `transport::manifold`.
+//! Invariant: the derivatives are those of the points of `surface`. Tests: `tests` in `transport::manifold`.
 
 use glam::{Mat3, Vec3};
 use gnurt_accel::KeyInterval;
@@ -142,7 +142,7 @@ impl Corners {
     }
 }
 
-/// What the lift of a point follows from.
+/// The input of the lift of a point.
 struct Lifts {
     p: [Vec3; 3],
     units: [Vec3; 3],

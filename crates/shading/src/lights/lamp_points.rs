@@ -51,8 +51,9 @@ impl LightSet {
         Some(LampPoint { light, place, delta, uv })
     }
 
-    /// What comes from a point of a lamp to where it is seen in the unit direction `dir`, `dist` away: radiance times projected
-    /// area over the density of the point, W·sr⁻¹; the irradiance of a surface that faces a lamp without a position.
+    /// The intensity of a point of a lamp towards a place that sees it in the unit direction `dir`, `dist` away, W·sr⁻¹. Of a
+    /// triangle: radiance times projected area, over the density of the point. Of a lamp without a position: the irradiance of
+    /// a surface that faces it.
     #[must_use]
     pub fn intensity(&self, from: &LampPoint, dir: Vec3, dist: f32) -> Vec3 {
         match self.kind(from.light) {

@@ -13,6 +13,10 @@ use super::trace::MOST;
 /// How much searches that arrive count against scattered rays: their light is one over a count.
 const ARRIVES: f32 = 0.5;
 
+/// The chance of a search by how often the path was scattered before, per unit of its throughput.
+const CHANCES: [f32; 3] = [1.0, 0.25, 0.125];
+const LEAST_CHANCE: f32 = 1.0 / 32.0;
+
 /// Such a ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Chain {
@@ -53,9 +57,10 @@ impl Chain {
         Self { smooth: count.checked_add(1), change, ..self }
     }
 
-    /// How often its path was scattered at rough points that searched.
-    pub(crate) fn scattered(&self) -> usize {
-        self.scattered.into()
+    /// The chance of a search from the point that it ends at, if its path has this throughput.
+    pub(crate) fn chance(&self, throughput: Vec3) -> f32 {
+        let of_order = CHANCES[usize::from(self.scattered).min(CHANCES.len() - 1)];
+        (of_order * throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
     }
 
     /// The weight of light at its end, `dist` on along `dir`; `area`: of the lamp across the ray, `probability`: of its choice

@@ -10,7 +10,6 @@ use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{RayRequest, SampleKey, Vec3s};
 
-use super::chain::Chain;
 use super::search::{Around, Rough, Search, Waits};
 use crate::cone::Cones;
 use crate::expressions::{Lobe, Scatter};
@@ -18,10 +17,6 @@ use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::transport::add;
 use crate::transport::step::{Met, Onward};
 use crate::world::HitLanes;
-
-/// The chance of a search by how often the path was scattered before, per unit of its throughput.
-const CHANCES: [f32; 3] = [1.0, 0.25, 0.125];
-const LEAST_CHANCE: f32 = 1.0 / 32.0;
 
 /// Adds the light of lamps behind smooth surfaces to points that paths met.
 pub(crate) fn connect(tracer: &mut BatchTracer, met: &Met, onward: &mut Onward) {
@@ -43,12 +38,6 @@ pub(crate) fn connect(tracer: &mut BatchTracer, met: &Met, onward: &mut Onward) 
     }
 }
 
-/// The chance of a search from a point that a path meets with this throughput.
-pub(crate) fn chance(chain: Chain, throughput: Vec3) -> f32 {
-    let of_order = CHANCES[chain.scattered().min(CHANCES.len() - 1)];
-    (of_order * throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
-}
-
 /// The searches of all points that make one.
 fn searches(met: &Met, around: Around) -> Vec<Search> {
     let (options, lights) = (met.options, met.world.light_set());
@@ -58,7 +47,7 @@ fn searches(met: &Met, around: Around) -> Vec<Search> {
         if path.edges + 2 > options.max_depth || !met.is_there(k, &path) || met.is_hidden(k, &path) {
             continue;
         }
-        let chance = chance(path.chain, path.throughput);
+        let chance = path.chain.chance(path.throughput);
         let [choice, by_chance] = sample_pair(options.seed, path.key, path.edges, purpose::CAUSTIC);
         if by_chance >= chance {
             continue;

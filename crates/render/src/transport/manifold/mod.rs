@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Caustics: light of small lamps that smooth surfaces bring to rough ones, by specular manifold sampling.
-//! From a rough point a chain of mirrors and smooth glass is sought that ends at a chosen point of a lamp: a walk begins at a
+//! A rough point searches for a chain of mirrors and smooth glass that ends at a chosen point of a lamp. A walk begins at a
 //! chosen point of a smooth surface and corrects its first direction by Newton's method. The light of the chain that it arrives
 //! at counts once over the chance to arrive there, which is counted by further walks.
 //! Source: [ZGJ20] (unbiased variant), [HDF15]; ray differentials [Ige99] in place of half vectors.
@@ -22,7 +22,7 @@ mod turn;
 mod walk;
 
 pub(crate) use chain::Chain;
-pub(crate) use connect::{chance, connect};
+pub(crate) use connect::connect;
 pub(crate) use find::find;
 pub(crate) use known::Caustics;
 pub(crate) use turn::turned;

@@ -28,7 +28,7 @@ const AS_PANES: f32 = 1e-6;
 /// The chance that a walk begins straight towards the lamp: panes and globes bend light little.
 const STRAIGHT: f32 = 0.25;
 
-/// What all searches share.
+/// World, options and surfaces of all searches.
 #[derive(Clone, Copy)]
 pub(super) struct Around<'a> {
     pub(super) world: &'a World,
@@ -64,7 +64,7 @@ pub(super) struct Found {
     solution: Solution,
 }
 
-/// What a search waits for.
+/// The next event of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Waits {
     /// The hit of its ray.

@@ -11,7 +11,7 @@ use gnurt_shading::lights::Place;
 use super::trace::Trace;
 
 /// Chains that are followed for one walk at most.
-const MOST_STEPS: u32 = 12;
+const MOST_STEPS: u32 = 20;
 /// After this many, walks that still miss by more end.
 const GIVES_UP: [(u32, f32); 2] = [(3, 0.5), (6, 0.02)];
 /// A chain that misses by less than this has arrived.
