@@ -108,7 +108,7 @@ pub struct Accumulation {
     common: Arc<Common>,
     /// The guide, once samples need it.
     trained: Option<Arc<Trained>>,
-    /// What searches for caustics know, once it was found.
+    /// Smooth surfaces and lamps of searches, once they were found.
     caustics: Option<Option<Arc<Caustics>>>,
     /// When the whole rendering has to end.
     pub(crate) limit: Option<Instant>,
@@ -475,7 +475,7 @@ impl<'a> PassSetup<'a> {
     }
 }
 
-/// What searches for caustics know of the world of a job.
+/// Smooth surfaces and lamps of the world of a job, for searches.
 fn find_caustics(job: &Job) -> Option<Arc<Caustics>> {
     manifold::find(&mut job.tracer(false)).map(Arc::new)
 }

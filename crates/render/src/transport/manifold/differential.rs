@@ -104,8 +104,8 @@ mod tests {
                 false => found.mirror(dir, n, &bend),
             }
             let h = 1e-2;
-            for k in 0..2 {
-                let side = |by: f32| follow((dir + frame[k] * by).normalize());
+            for (k, &axis) in frame.iter().enumerate() {
+                let side = |by: f32| follow((dir + axis * by).normalize());
                 let ((p1, d1), (p0, d0)) = (side(h), side(-h));
                 let (dp, dd) = ((p1 - p0) / (2.0 * h), (d1 - d0) / (2.0 * h));
                 assert!((dp - found.org[k]).length() < 5e-3 * dp.length(), "{dp} {}", found.org[k]);
