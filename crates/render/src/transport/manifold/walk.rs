@@ -15,12 +15,12 @@ const MOST_STEPS: u32 = 20;
 /// After this many, walks that still miss by more end.
 const GIVES_UP: [(u32, f32); 2] = [(3, 0.5), (6, 0.02)];
 /// A chain that misses by less than this has arrived.
-const ARRIVED: f32 = 3e-5;
+const ARRIVED: f32 = 1e-5;
 /// The longest step.
 const FARTHEST: f32 = 0.4;
 /// Solutions closer than this are one: by where their chains would end, and by their first directions.
-const SAME_END: f32 = 2e-4;
-const SAME_START: f32 = 0.02;
+const SAME_END: f32 = 3e-5;
+const SAME_START: f32 = 0.005;
 
 /// By how much a chain misses a lamp.
 #[derive(Clone, Copy, Debug)]
