@@ -7,7 +7,7 @@
 /// Walks that are made in any case.
 const SURE: u32 = 128;
 /// The chance of each further one.
-const GOES_ON: f32 = 31.0 / 32.0;
+const GOES_ON: f32 = 511.0 / 512.0;
 
 /// The count so far.
 #[derive(Clone, Copy, Debug)]
