@@ -15,6 +15,22 @@ struct Row {
     marks: &'static str,
 }
 
+/// A function of numbers.
+pub(crate) trait Function {
+    /// How many it takes.
+    const COUNT: usize;
+    /// Its result.
+    fn of<N: Number>(x: [N; 3]) -> N;
+}
+
+/// What is done with the type of a function.
+pub(crate) trait WithFunction {
+    /// Its result.
+    type Out;
+    /// Does it.
+    fn with<F: Function>(self) -> Self::Out;
+}
+
 macro_rules! opcodes {
     (
         |$a:ident, $b:ident, $c:ident| {
@@ -50,10 +66,38 @@ macro_rules! opcodes {
             /// A function of numbers; their count is its [`arity`](Self::arity).
             pub fn apply<N: Number>(self, [$a, $b, $c]: [N; 3]) -> N {
                 match self {
-                    $(Self::$map => $body,)*
+                    $(Self::$map => functions::$map::of([$a, $b, $c]),)*
                     _ => $a,
                 }
             }
+
+            /// Does something with the type of its function of numbers; none for other operations.
+            pub(crate) fn with_function<W: WithFunction>(self, what: W) -> Option<W::Out> {
+                match self {
+                    $(Self::$map => Some(what.with::<functions::$map>()),)*
+                    _ => None,
+                }
+            }
+        }
+
+        /// Each function of numbers is a type, for code that is made for one of them.
+        mod functions {
+            use super::{Function, flat, math};
+            use gnurt_sl_lib::Number;
+
+            $(
+                pub(super) struct $map;
+
+                impl Function for $map {
+                    const COUNT: usize = $count;
+
+                    #[inline(always)]
+                    fn of<N: Number>([$a, $b, $c]: [N; 3]) -> N {
+                        _ = ($b, $c);
+                        $body
+                    }
+                }
+            )*
         }
     };
 }

@@ -94,7 +94,7 @@ pub fn writes_all(step: &Step) -> bool {
         Opcode::Dx | Opcode::Dy | Opcode::Dz | Opcode::Filterwidth => true,
         Opcode::Assign | Opcode::Int | Opcode::Float => true,
         Opcode::Matrix | Opcode::Transpose => out.size <= 16,
-        _ if is_of_matrices(step) => out.size <= 16,
+        _ if is_of_matrices(step.code, &step.args) => out.size <= 16,
         code if code.arity() > 0 => true,
         Opcode::Color | Opcode::Point | Opcode::Vector | Opcode::Normal => out.size <= 3,
         Opcode::Cross | Opcode::Normalize | Opcode::Transform | Opcode::TransformV => out.size <= 3,
@@ -103,9 +103,15 @@ pub fn writes_all(step: &Step) -> bool {
     }
 }
 
-fn is_of_matrices(step: &Step) -> bool {
-    let arithmetic = [Opcode::Add, Opcode::Sub, Opcode::Mul, Opcode::Div, Opcode::Neg];
-    arithmetic.contains(&step.code) && step.args.iter().any(|a| a.ty == Type::MATRIX)
+/// Whether an operation of these operands is arithmetic of matrices.
+pub(super) fn is_of_matrices(code: Opcode, args: &[Slot]) -> bool {
+    matches!(code, Opcode::Add | Opcode::Sub | Opcode::Mul | Opcode::Div | Opcode::Neg)
+        && args.iter().any(|a| a.ty == Type::MATRIX)
+}
+
+/// Whether an operation of these operands is one of ints.
+pub(super) fn is_of_ints(code: Opcode, args: &[Slot]) -> bool {
+    code.is_for_ints() && args.iter().all(|a| a.ty == Type::INT)
 }
 
 fn bits<V: Values>(v: &mut V, slot: &Slot, i: usize) -> V::Word {
@@ -240,25 +246,43 @@ pub fn compute<V: Values>(v: &mut V, step: &Step) {
 fn numbers<V: Values, N: Number<Real = V::Real, Mask = V::Mask>>(v: &mut V, step: &Step) {
     let (code, args) = (step.code, &*step.args);
     let Some((out, rest)) = args.split_first() else { return };
-    if is_of_matrices(step) {
+    if is_of_matrices(code, args) {
         matrices(v, code, out, rest);
         return;
     }
-    if code.is_for_ints() && args.iter().all(|a| a.ty == Type::INT) {
+    if is_of_ints(code, args) {
         ints(v, code, out, rest);
         return;
     }
     if code.arity() > 0 {
-        for i in 0..out.size as usize {
-            let first = get::<V, N>(v, &rest[0], i);
-            let mut x = [first; 3];
-            for (x, slot) in x.iter_mut().zip(&rest[..code.arity()]).skip(1) {
-                *x = get(v, slot, i);
-            }
-            put(v, out, i, code.apply(x));
-        }
+        each::<V, N>(v, out, &rest[..code.arity()], |x| code.apply(x));
         return;
     }
+    others::<V, N>(v, step);
+}
+
+/// A function of each component.
+#[inline(always)]
+pub(super) fn each<V: Values, N: Number<Real = V::Real>>(
+    v: &mut V,
+    out: &Slot,
+    operands: &[Slot],
+    f: impl Fn([N; 3]) -> N,
+) {
+    for i in 0..out.size as usize {
+        let first = get::<V, N>(v, &operands[0], i);
+        let mut x = [first; 3];
+        for (x, slot) in x.iter_mut().zip(operands).skip(1) {
+            *x = get(v, slot, i);
+        }
+        put(v, out, i, f(x));
+    }
+}
+
+/// Operations that are neither functions of each component nor of matrices or ints.
+pub(super) fn others<V: Values, N: Number<Real = V::Real, Mask = V::Mask>>(v: &mut V, step: &Step) {
+    let (code, args) = (step.code, &*step.args);
+    let Some((out, rest)) = args.split_first() else { return };
     match code {
         Opcode::Eq | Opcode::Neq => equal(v, code, out, rest),
         Opcode::Lt | Opcode::Gt | Opcode::Le | Opcode::Ge => ordered(v, code, out, rest),
@@ -356,7 +380,7 @@ fn numbers<V: Values, N: Number<Real = V::Real, Mask = V::Mask>>(v: &mut V, step
     }
 }
 
-fn ints<V: Values>(v: &mut V, code: Opcode, out: &Slot, rest: &[Slot]) {
+pub(super) fn ints<V: Values>(v: &mut V, code: Opcode, out: &Slot, rest: &[Slot]) {
     let a = bits(v, &rest[0], 0);
     let b = match rest.get(1) {
         Some(b) => bits(v, b, 0),
@@ -396,7 +420,7 @@ fn all<M: Mask>(list: impl Iterator<Item = M>) -> Option<M> {
     list.reduce(|a, b| a & b)
 }
 
-fn equal<V: Values>(v: &mut V, code: Opcode, out: &Slot, rest: &[Slot]) {
+pub(super) fn equal<V: Values>(v: &mut V, code: Opcode, out: &Slot, rest: &[Slot]) {
     let (a, b) = (&rest[0], &rest[1]);
     let same = match (a.ty.base, b.ty.base) {
         (Base::String, _) | (_, Base::String) | (Base::Int, Base::Int) => {
@@ -431,7 +455,7 @@ fn compare<V: Values>(
     }))
 }
 
-fn ordered<V: Values>(v: &mut V, code: Opcode, out: &Slot, rest: &[Slot]) {
+pub(super) fn ordered<V: Values>(v: &mut V, code: Opcode, out: &Slot, rest: &[Slot]) {
     let (a, b) = (&rest[0], &rest[1]);
     let (a, b) = if matches!(code, Opcode::Gt | Opcode::Ge) { (b, a) } else { (a, b) };
     let is_strict = matches!(code, Opcode::Lt | Opcode::Gt);
@@ -446,7 +470,7 @@ fn ordered<V: Values>(v: &mut V, code: Opcode, out: &Slot, rest: &[Slot]) {
     set_int(v, out, value);
 }
 
-fn assign<V: Values, N: Number<Real = V::Real>>(v: &mut V, out: &Slot, a: &Slot) {
+pub(super) fn assign<V: Values, N: Number<Real = V::Real>>(v: &mut V, out: &Slot, a: &Slot) {
     if out.ty.is_array() || a.ty.is_array() {
         copy(v, out, a);
         return;
@@ -697,7 +721,7 @@ fn hash<V: Values>(v: &mut V, out: &Slot, rest: &[Slot]) {
     set_int(v, out, value);
 }
 
-fn noise_of<V: Values, N: Number<Real = V::Real>>(v: &mut V, step: &Step) {
+pub(super) fn noise_of<V: Values, N: Number<Real = V::Real>>(v: &mut V, step: &Step) {
     let (code, out) = (step.code, &step.args[0]);
     let kind = match code {
         Opcode::Snoise | Opcode::Psnoise => NoiseKind::Perlin,
@@ -710,25 +734,34 @@ fn noise_of<V: Values, N: Number<Real = V::Real>>(v: &mut V, step: &Step) {
         v.gabor(step);
         return;
     }
-    let Some((point, period)) = noise_numbers::<V, N>(v, step) else { return };
-    let period: Option<Vec<V::Real>> = period.map(|list| list.into_iter().map(N::value).collect());
+    let Some((list, count, period)) = noise_numbers::<V, N>(v, step) else { return };
     let three = out.size >= 3;
-    let value = kind.plain(&point, period.as_deref(), three);
+    let value = kind.plain(&list[..count], period.as_ref().map(|period| &period[..count]), three);
     for (i, x) in value.into_iter().enumerate().take(if three { 3 } else { 1 }) {
         put(v, out, i, x);
     }
 }
 
-/// The coordinates of a noise, and its periods.
+/// Numbers of a noise: the coordinates come first.
+type NoiseNumbers<N> = ([N; 8], usize, Option<[<N as Number>::Real; 4]>);
+
+/// The numbers of a noise, how many of them are coordinates, and its periods.
 pub(super) fn noise_numbers<V: Values, N: Number<Real = V::Real>>(
     v: &mut V,
     step: &Step,
-) -> Option<(Vec<N>, Option<Vec<N>>)> {
-    let (slots, periodic) = coordinates(step.code, &step.args)?;
-    let mut point: Vec<N> = Vec::with_capacity(8);
+) -> Option<NoiseNumbers<N>> {
+    let (slots, is_periodic) = coordinates(step.code, &step.args)?;
+    let mut list = [N::lift(known(v, 0.0)); 8];
+    let mut count = 0;
     for slot in slots {
-        point.extend((0..slot.size as usize).map(|i| get::<V, N>(v, slot, i)));
+        for i in 0..slot.size as usize {
+            list[count] = get(v, slot, i);
+            count += 1;
+        }
     }
-    let period = periodic.then(|| point.split_off(point.len() / 2));
-    Some((point, period))
+    if !is_periodic {
+        return Some((list, count, None));
+    }
+    let half = count / 2;
+    Some((list, half, Some([0, 1, 2, 3].map(|i: usize| list[half + i.min(half - 1)].value()))))
 }

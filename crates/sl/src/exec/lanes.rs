@@ -6,7 +6,7 @@ use super::batch::{Points, Program, Results};
 use super::cells::{LANES, Row};
 use super::host::{Host, Point};
 use super::machine::{Machine, Plan};
-use super::slot::RetainedOutput;
+use super::slot::{RetainedOutput, Slot};
 use crate::format::general;
 use crate::hir::Data;
 use crate::ir::{SymbolKind, uses};
@@ -28,8 +28,8 @@ impl Program for Plan {
         for lane in 0..points.count.min(LANES) {
             machine.run_neighbours(&points.point(lane));
             out.ci[lane] = machine.ci();
-            for retained in &self.retained {
-                machine.keep(retained, lane, &mut out.rows);
+            for (retained, slot) in self.retained.iter().zip(&self.retained_slots) {
+                machine.keep(retained, slot, lane, &mut out.rows);
             }
             if machine.was_stopped()
                 && let Some(event) = self.strike()
@@ -101,8 +101,7 @@ impl Machine<'_> {
 }
 
 impl Machine<'_> {
-    fn keep(&self, retained: &RetainedOutput, lane: usize, rows: &mut [Row]) {
-        let Some(slot) = self.plan.slot_of(&retained.name) else { return };
+    fn keep(&self, retained: &RetainedOutput, slot: &Slot, lane: usize, rows: &mut [Row]) {
         for k in 0..retained.ty.size() {
             let cell_bits = self.memory[slot.at as usize + k];
             rows[retained.row + k][lane] =

@@ -4,6 +4,7 @@
 use super::known::fill;
 use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
 use super::nesting;
+use super::run::{POINT_GLOBALS, work_of};
 use super::slot::{RetainedOutput, Slot};
 use super::strings::Strings;
 use super::table::action;
@@ -112,7 +113,9 @@ impl Plan {
             debug_layers: options.debug_layers,
             entries: options.entries.clone(),
             iterations: options.iterations,
+            of_points: [None; 14],
             retained: Vec::new(),
+            retained_slots: Vec::new(),
             strikes: AtomicU32::new(0),
             memories: Mutex::default(),
         };
@@ -133,6 +136,7 @@ impl Plan {
             plan.layer(group, best, number, shader, options)?;
         }
         nesting::bound(&mut plan.layers);
+        plan.of_points = POINT_GLOBALS.map(|name| plan.globals.get(name).copied());
         let mut row = 0;
         for name in &options.outputs {
             let Some(slot) = plan.slot_of(name) else { continue };
@@ -140,6 +144,7 @@ impl Plan {
                 continue;
             }
             plan.retained.push(RetainedOutput { name: name.clone(), ty: slot.ty, row });
+            plan.retained_slots.push(slot);
             row += slot.ty.size();
         }
         Ok(plan)
@@ -484,6 +489,7 @@ impl Binder<'_> {
         Ok(Instruction::Do(Step {
             code: op.code,
             action,
+            work: work_of(op.code, &args),
             answer: self.answer(op),
             args,
             symbols,

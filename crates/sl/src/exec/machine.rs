@@ -28,6 +28,8 @@ pub struct Step {
     pub code: Opcode,
     /// How the interpreter does it.
     pub(super) action: Action,
+    /// How much of a point's work it counts as.
+    pub(super) work: u32,
     /// The answer of operations about their operands: a length, whether they are connected or constant.
     pub answer: i32,
     /// The arguments; a result is the first.
@@ -49,7 +51,7 @@ impl Step {
     pub(super) fn of_numbers(code: Opcode, args: Box<[Slot]>) -> Self {
         let (symbols, pulls) = ([].into(), [].into());
         let at = SourcePosition::default();
-        Self { code, action: |_, _| {}, answer: 0, args, symbols, at, pulls, reads: !1, writes: 1 }
+        Self { code, action: |_, _| {}, work: 1, answer: 0, args, symbols, at, pulls, reads: !1, writes: 1 }
     }
 }
 
@@ -192,8 +194,12 @@ pub struct Plan {
     pub entries: Vec<usize>,
     /// Iterations of loops that a point may take.
     pub iterations: u64,
+    /// Where the numbers of a [`Point`] are, in the order of [`POINT_GLOBALS`](super::run::POINT_GLOBALS).
+    pub(super) of_points: [Option<Slot>; 14],
     /// The outputs that [`Program`](super::Program) returns for each point.
     pub(super) retained: Vec<RetainedOutput>,
+    /// Where they are.
+    pub(super) retained_slots: Vec<Slot>,
     /// Points that were stopped.
     pub(super) strikes: AtomicU32,
     /// Memories that no batch uses now.

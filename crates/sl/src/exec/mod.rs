@@ -13,6 +13,7 @@ mod closure;
 mod components;
 mod compute;
 mod dictionary;
+mod direct;
 mod host;
 mod known;
 mod lanes;

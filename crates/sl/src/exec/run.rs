@@ -6,8 +6,10 @@ use super::host::Point;
 use super::machine::{Event, Flow, Instruction, Loop, Machine, Source, Step};
 use super::nesting::{LAYER, MOST_NESTED};
 use super::scalar::connect;
+use super::slot::Slot;
 use crate::hir::Data;
 use crate::ir::SourcePosition;
+use crate::opcode::Opcode;
 use crate::types::{Base, Type};
 
 /// Operations of a point, for each iteration that it may take.
@@ -17,7 +19,17 @@ const LEAST: u64 = 4_000_000;
 /// Numbers of a result that count as an operation.
 const NUMBERS: u32 = 8;
 /// Operations that noise counts as.
-const NOISE: u64 = 8;
+const NOISE: u32 = 8;
+
+/// Globals that a point gives.
+pub(super) const POINT_GLOBALS: [&str; 14] =
+    ["P", "I", "N", "Ng", "dPdu", "dPdv", "Ps", "dPdtime", "u", "v", "time", "dtime", "xi", "raster"];
+
+/// How much of a point's work an operation counts as.
+pub(super) fn work_of(code: Opcode, args: &[Slot]) -> u32 {
+    let size = args.first().map_or(0, |out| out.size);
+    size / NUMBERS + if code.is_noise() { NOISE } else { 1 }
+}
 
 impl Machine<'_> {
     /// Runs the group; outputs are then read with [`output`](Self::output).
@@ -81,33 +93,33 @@ impl Machine<'_> {
     }
 
     fn set_globals(&mut self) {
+        let [p, i, n, ng, dpdu, dpdv, ps, dpdtime, u, v, time, dtime, xi, raster] = self.plan.of_points;
         let point = self.point.clone();
         let fixed = |v: [f32; 3]| gnurt_sl_lib::Dual::from(v).components();
-        let globals = &self.plan.globals;
-        for (name, value) in [
-            ("P", point.p.components()),
-            ("I", point.i.components()),
-            ("N", fixed(point.n)),
-            ("Ng", fixed(point.ng)),
-            ("dPdu", fixed(point.dpdu)),
-            ("dPdv", fixed(point.dpdv)),
-            ("Ps", point.ps.components()),
-            ("dPdtime", fixed(point.dpdtime)),
+        for (slot, value) in [
+            (p, point.p.components()),
+            (i, point.i.components()),
+            (n, fixed(point.n)),
+            (ng, fixed(point.ng)),
+            (dpdu, fixed(point.dpdu)),
+            (dpdv, fixed(point.dpdv)),
+            (ps, point.ps.components()),
+            (dpdtime, fixed(point.dpdtime)),
         ] {
-            if let Some(slot) = globals.get(name) {
-                self.set_triple(slot, value);
+            if let Some(slot) = slot {
+                self.set_triple(&slot, value);
             }
         }
-        for (name, value) in
-            [("u", point.u), ("v", point.v), ("time", point.time.into()), ("dtime", point.dtime.into())]
+        for (slot, value) in
+            [(u, point.u), (v, point.v), (time, point.time.into()), (dtime, point.dtime.into())]
         {
-            if let Some(slot) = globals.get(name) {
-                self.set(slot, 0, value);
+            if let Some(slot) = slot {
+                self.set(&slot, 0, value);
             }
         }
-        for (name, values) in [("xi", &point.xi), ("raster", &point.raster)] {
-            if let Some(slot) = globals.get(name) {
-                values.iter().enumerate().for_each(|(i, &value)| self.set(slot, i, value.into()));
+        for (slot, values) in [(xi, &point.xi), (raster, &point.raster)] {
+            if let Some(slot) = slot {
+                values.iter().enumerate().for_each(|(i, &value)| self.set(&slot, i, value.into()));
             }
         }
     }
@@ -252,11 +264,12 @@ impl Machine<'_> {
         }
     }
 
+    #[inline(always)]
     fn step(&mut self, step: &Step) {
-        let size = step.args.first().map_or(0, |out| out.size);
-        let each = if step.code.is_noise() { NOISE } else { 1 };
-        self.work = self.work.saturating_sub(each + u64::from(size / NUMBERS));
-        self.pull(&step.pulls);
+        self.work = self.work.saturating_sub(step.work.into());
+        if !step.pulls.is_empty() {
+            self.pull(&step.pulls);
+        }
         if self.unwritten.is_some() {
             self.check_reads(step);
             self.note_writes(step);

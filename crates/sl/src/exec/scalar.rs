@@ -8,7 +8,7 @@ use super::slot::Slot;
 use super::strings::Strings;
 use crate::types::Type;
 use gnurt_sl_lib::noise::{GaborOptions, NoiseKind};
-use gnurt_sl_lib::{Number, Real, UInt};
+use gnurt_sl_lib::{Real, UInt};
 
 /// What an operation has to report.
 pub(super) enum Fault {
@@ -61,6 +61,7 @@ impl Values for Scalar<'_> {
     type Real = f32;
     type Word = UInt;
     type Mask = bool;
+    // What a plan runs is chosen in `direct`; known values need no second copy of all functions.
     type Plain = D;
 
     #[inline]
@@ -108,13 +109,13 @@ impl Values for Scalar<'_> {
 
     fn gabor(&mut self, step: &Step) {
         let options = self.options(step);
-        let Some((point, period)) = noise_numbers::<Self, D>(self, step) else { return };
-        let period: Option<Vec<f32>> = period.map(|list| list.into_iter().map(Number::value).collect());
+        let Some((list, count, period)) = noise_numbers::<Self, D>(self, step) else { return };
+        let (point, period) = (&list[..count], period.as_ref().map(|period| &period[..count]));
         let out = &step.args[0];
         let value = if out.size >= 3 {
-            NoiseKind::Gabor.noise3(&point, period.as_deref(), &options)
+            NoiseKind::Gabor.noise3(point, period, &options)
         } else {
-            [NoiseKind::Gabor.noise(&point, period.as_deref(), &options); 3]
+            [NoiseKind::Gabor.noise(point, period, &options); 3]
         };
         for (i, x) in value.into_iter().enumerate().take(if out.size >= 3 { 3 } else { 1 }) {
             put(self, out, i, x);
@@ -124,10 +125,17 @@ impl Values for Scalar<'_> {
 
 /// Does an operation on numbers.
 pub(super) fn on_numbers(m: &mut Machine<'_>, step: &Step) {
+    on_cells(m, step, |v| compute(v, step));
+}
+
+/// Does something with the cells, and reports its faults.
+#[inline(always)]
+pub(super) fn on_cells(m: &mut Machine<'_>, step: &Step, work: impl FnOnce(&mut Scalar<'_>)) {
     let mut scalar = Scalar { cells: &mut m.memory, strings: &m.strings, faults: Vec::new() };
-    compute(&mut scalar, step);
-    for fault in scalar.faults {
-        m.report_fault(step, &fault);
+    work(&mut scalar);
+    if !scalar.faults.is_empty() {
+        let faults = scalar.faults;
+        faults.iter().for_each(|fault| m.report_fault(step, fault));
     }
 }
 

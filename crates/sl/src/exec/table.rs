@@ -4,9 +4,10 @@
 
 use super::compute::is_computed;
 use super::machine::Action;
-use super::scalar::on_numbers;
 use super::slot::Slot;
-use super::{closure, dictionary, light, math, message, noise, points, print, space, state, texts, texture};
+use super::{
+    closure, dictionary, direct, light, math, message, noise, points, print, space, state, texts, texture,
+};
 use crate::ir::Shader;
 use crate::opcode::Opcode;
 use crate::types::Type;
@@ -20,7 +21,7 @@ pub(super) fn action(code: Opcode, args: &[Slot]) -> Option<Action> {
         return matches!(code, O::Add | O::Mul | O::Closure).then_some(closure::closure as Action);
     }
     if is_computed(code, args) {
-        return Some(on_numbers);
+        return Some(direct::action(code, args));
     }
     Some(match code {
         O::Color if out == Type::COLOR => space::color,
