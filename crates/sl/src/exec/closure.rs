@@ -57,8 +57,24 @@ fn made<'c>(
 ) -> Option<[u32; LANES]> {
     let [_, a, rest @ ..] = &*s.args else { return Some([0; LANES]) };
     if s.code == Opcode::Closure {
-        let bound = Bound::of(known, (a, rest), &read, &|_| false, &|cell| cell);
-        return bound.map(|bound| [bound.make(closures, &read); LANES]);
+        // Without a list of them: this is done for each point.
+        let first = closures.next();
+        let mut buffer = [0; LANES];
+        let decl = resolve(known, (a, rest), &read, |found| {
+            let cells = match found {
+                None => Cells::One(0),
+                Some((cell, Change::Made)) => match read(cell) {
+                    Cells::One(cell_bits) => Cells::One(closures.made(cell_bits)),
+                    cells @ Cells::Each(_) => {
+                        buffer = closures.all_made(cells);
+                        Cells::Each(&buffer)
+                    }
+                },
+                Some((cell, change)) => changed(read(cell), change, &mut buffer),
+            };
+            closures.put(cells);
+        });
+        return decl.map(|(kind, _)| [closures.component(kind, first); LANES]);
     }
     let [b, ..] = rest else { return Some([0; LANES]) };
     let (a, b) = if a.ty == Type::CLOSURE { (a, b) } else { (b, a) };
@@ -147,6 +163,44 @@ fn number<'r, 'c: 'r>(
     source(slot, i, expected).map_or(Cells::One(0), |(cell, change)| changed(read(cell), change, buffer))
 }
 
+/// Which closure a name and its arguments make, and its own name; `with` gets the place of each of its numbers
+/// in order, none of those that are not given. `None` if the program does not support it, or if names are not
+/// the same for all points; `with` gets nothing then.
+fn resolve<'h, 'c>(
+    (host, strings): (&'h dyn Host, &Strings),
+    (name, rest): (&Slot, &[Slot]),
+    read: &impl Fn(u32) -> Cells<'c>,
+    mut with: impl FnMut(Option<(u32, Change)>),
+) -> Option<(u32, &'h Arc<str>)> {
+    let text = |slot: &Slot| match (slot.ty.base, slot.size) {
+        (Base::String, 1..) => match read(slot.at) {
+            Cells::One(cell_bits) => Some(&**strings.text(cell_bits)),
+            Cells::Each(_) => None,
+        },
+        _ => Some(""),
+    };
+    let name = text(name)?;
+    let (kind_of, decl) = host.closures().iter().enumerate().find(|(_, decl)| *decl.name == *name)?;
+    let plain = decl.params.iter().take_while(|param| param.key.is_none()).count();
+    let pairs = rest.get(plain..).filter(|_| plain < decl.params.len()).unwrap_or(&[]);
+    let mut keys = Vec::new();
+    for pair in pairs.chunks_exact(2) {
+        keys.push((text(&pair[0])?, &pair[1]));
+    }
+    for (i, param) in decl.params.iter().enumerate() {
+        let slot = match &param.key {
+            None => rest.get(i),
+            Some(key) => keys.iter().rfind(|(name, _)| *name == &**key).map(|(_, slot)| *slot),
+        };
+        for k in 0..param.ty.size() {
+            // One number is not meant for all of an array's.
+            let slot = slot.filter(|slot| k < slot.size as usize);
+            with(slot.zip(kind(param.ty)).and_then(|(slot, expected)| source(slot, k, expected)));
+        }
+    }
+    Some((kind_of as u32, &decl.name))
+}
+
 /// A component that an operation makes: which one, and where its numbers are.
 #[derive(Clone, Debug)]
 pub struct Bound {
@@ -163,51 +217,26 @@ impl Bound {
     /// Of a name and its arguments; none if the program does not support it, or if names are not the same for
     /// all points. Cells that are `fixed` are read now, others by the numbers that `place` gives them.
     fn of<'c>(
-        (host, strings): (&dyn Host, &Strings),
-        (name, rest): (&Slot, &[Slot]),
+        known: (&dyn Host, &Strings),
+        closure: (&Slot, &[Slot]),
         read: &impl Fn(u32) -> Cells<'c>,
         fixed: &impl Fn(u32) -> bool,
         place: &impl Fn(u32) -> u32,
     ) -> Option<Self> {
-        let text = |slot: &Slot| match (slot.ty.base, slot.size) {
-            (Base::String, 1..) => match read(slot.at) {
-                Cells::One(cell_bits) => Some(&**strings.text(cell_bits)),
-                Cells::Each(_) => None,
-            },
-            _ => Some(""),
-        };
-        let name = text(name)?;
-        let (kind_of, decl) = host.closures().iter().enumerate().find(|(_, decl)| *decl.name == *name)?;
-        let plain = decl.params.iter().take_while(|param| param.key.is_none()).count();
-        let pairs = rest.get(plain..).filter(|_| plain < decl.params.len()).unwrap_or(&[]);
-        let mut keys = Vec::new();
-        for pair in pairs.chunks_exact(2) {
-            keys.push((text(&pair[0])?, &pair[1]));
-        }
         let (mut numbers, mut open) = (Vec::new(), Vec::new());
         let mut buffer = [0; LANES];
-        for (i, param) in decl.params.iter().enumerate() {
-            let slot = match &param.key {
-                None => rest.get(i),
-                Some(key) => keys.iter().rfind(|(name, _)| *name == &**key).map(|(_, slot)| *slot),
-            };
-            for k in 0..param.ty.size() {
-                // One number is not meant for all of an array's.
-                let slot = slot.filter(|slot| k < slot.size as usize);
-                let found = slot.zip(kind(param.ty)).and_then(|(slot, expected)| source(slot, k, expected));
-                let mut number = Number::default();
-                if let Some((cell, change)) = found {
-                    let is_closure = matches!(change, Change::Made);
-                    match changed(read(cell), change, &mut buffer) {
-                        Cells::One(bits) if fixed(cell) && !is_closure => number = Number::one(bits),
-                        _ => open.push((numbers.len() as u32, place(cell), change)),
-                    }
+        let (kind, name) = resolve(known, closure, read, |found| {
+            let mut number = Number::default();
+            if let Some((cell, change)) = found {
+                let is_closure = matches!(change, Change::Made);
+                match changed(read(cell), change, &mut buffer) {
+                    Cells::One(bits) if fixed(cell) && !is_closure => number = Number::one(bits),
+                    _ => open.push((numbers.len() as u32, place(cell), change)),
                 }
-                numbers.push(number);
             }
-        }
-        let (kind, name) = (kind_of as u32, decl.name.clone());
-        Some(Self { kind, name, numbers: numbers.into(), open: open.into() })
+            numbers.push(number);
+        })?;
+        Some(Self { kind, name: name.clone(), numbers: numbers.into(), open: open.into() })
     }
 
     /// Makes it; its number. `read` returns what is at a place.

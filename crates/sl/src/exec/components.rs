@@ -175,7 +175,7 @@ impl Closures {
     }
 
     /// How many numbers there are: the first of the node that comes next.
-    fn next(&self) -> u32 {
+    pub(super) fn next(&self) -> u32 {
         self.numbers.len() as u32
     }
 

@@ -139,7 +139,9 @@ fn get<V: Values, N: Number<Real = V::Real>>(v: &mut V, slot: &Slot, i: usize) -
     N::from_parts(value, || {
         let i = if slot.size == 1 { 0 } else { i as u32 };
         if slot.derivs && i < slot.size {
-            [1, 2].map(|k| V::Real::from_bits(v.cell(slot, k * slot.size + i)))
+            // Written out: `map` becomes a call.
+            let dx = v.cell(slot, slot.size + i);
+            [V::Real::from_bits(dx), V::Real::from_bits(v.cell(slot, 2 * slot.size + i))]
         } else {
             [value.of(0.0); 2]
         }
