@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Measures shader files as machine code: nanoseconds a point, for each level of the CPU, a batch at a time and two.
+//! Measures shader files: nanoseconds a point by the interpreter, and as machine code for each level of the CPU, a batch at a time and two.
 //!
 //! `cargo run --release -p gnurt-jit --example files -- FILE.osl...`
 
@@ -12,7 +12,9 @@ use std::sync::Arc;
 use common::{batches, time};
 use gnurt_jit::{Compiled, Lanes};
 use gnurt_simd::Level;
-use gnurt_sl::exec::{ClosureDecl, Host, Plan, PlanOptions, Point, Points, standard_closures};
+use gnurt_sl::exec::{
+    ClosureDecl, Host, Plan, PlanOptions, Point, Points, Program, Results, standard_closures,
+};
 use gnurt_sl::group::Group;
 use gnurt_sl::{Options, compile};
 use gnurt_sl_lib::Dual;
@@ -89,7 +91,10 @@ fn main() -> Result<(), String> {
         let plan = plan(&path).map_err(|why| format!("{path}: {why}"))?;
         let name =
             Path::new(&path).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into());
-        let _ = write!(out, "{name:<40}");
+        let mut results = Results::default();
+        let interpreted =
+            time(COUNT, || batches.iter().for_each(|points| plan.run(&world, points, &mut results)));
+        let _ = write!(out, "{name:<40} interpreter {interpreted:.1}");
         for &level in &levels {
             match Compiled::new(plan.clone(), level)
                 .and_then(|one| Ok((one, Compiled::pair(plan.clone(), level)?)))
