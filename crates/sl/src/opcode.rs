@@ -23,7 +23,7 @@ pub(crate) trait Function {
     fn of<N: Number>(x: [N; 3]) -> N;
 }
 
-/// What is done with the type of a function.
+/// Something to do with the type of a function.
 pub(crate) trait WithFunction {
     /// Its result.
     type Out;

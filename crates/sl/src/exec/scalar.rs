@@ -61,7 +61,7 @@ impl Values for Scalar<'_> {
     type Real = f32;
     type Word = UInt;
     type Mask = bool;
-    // What a plan runs is chosen in `direct`; known values need no second copy of all functions.
+    // Functions without changes are in `direct`; known values need no second copy of them.
     type Plain = D;
 
     #[inline]
