@@ -114,6 +114,7 @@ pub(super) fn is_of_ints(code: Opcode, args: &[Slot]) -> bool {
     code.is_for_ints() && args.iter().all(|a| a.ty == Type::INT)
 }
 
+#[inline(always)]
 fn bits<V: Values>(v: &mut V, slot: &Slot, i: usize) -> V::Word {
     if i < slot.size as usize { v.cell(slot, i as u32) } else { v.constant(0) }
 }
@@ -129,11 +130,13 @@ fn known<V: Values>(v: &mut V, x: f32) -> V::Real {
 }
 
 /// Number `i` of a slot. Single numbers serve for all components.
+#[inline(always)]
 fn float<V: Values>(v: &mut V, slot: &Slot, i: usize) -> V::Real {
     let word = bits(v, slot, if slot.size == 1 { 0 } else { i });
     if slot.ty.base == Base::Int { V::Real::from_int(word) } else { V::Real::from_bits(word) }
 }
 
+#[inline(always)]
 fn get<V: Values, N: Number<Real = V::Real>>(v: &mut V, slot: &Slot, i: usize) -> N {
     let value = float(v, slot, i);
     N::from_parts(value, || {
@@ -748,6 +751,7 @@ pub(super) fn noise_of<V: Values, N: Number<Real = V::Real>>(v: &mut V, step: &S
 type NoiseNumbers<N> = ([N; 8], usize, Option<[<N as Number>::Real; 4]>);
 
 /// The numbers of a noise, how many of them are coordinates, and its periods.
+#[inline(always)]
 pub(super) fn noise_numbers<V: Values, N: Number<Real = V::Real>>(
     v: &mut V,
     step: &Step,
