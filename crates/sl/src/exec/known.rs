@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Results of operations on known values, by the evaluator that runs them.
+//! Results of operations on known values, by the evaluator of numbers.
 //! Tests: `tests/passes.rs`.
 
 use super::compute::{compute, is_computed};

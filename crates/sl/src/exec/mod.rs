@@ -3,7 +3,7 @@
 //!
 //! A group of shaders is laid out in one memory of 32-bit cells (`layout`); a [`Machine`] runs it for a point
 //! and queries a [`Host`] for the renderer's data; a [`Program`] runs sixteen points. `compute` does operations on
-//! numbers; `table` lists the others, which `math`, `noise`, `space`, `texts`, `print`, `message`, `closure` and
+//! numbers, and `direct` those of common operands by functions that are chosen beforehand; `table` lists the others, which `math`, `noise`, `space`, `texts`, `print`, `message`, `closure` and
 //! `state` implement.
 
 mod batch;
