@@ -112,13 +112,18 @@ fn column<N: Number>(m: &[[N::Real; 4]; 4], v: [N; 3], k: usize) -> N {
     v[0].scaled(m[0][k]) + v[1].scaled(m[1][k]) + v[2].scaled(m[2][k])
 }
 
+#[inline(always)]
+fn moved_column<N: Number>(m: &[[N::Real; 4]; 4], p: [N; 3], k: usize) -> N {
+    let sum = column(m, p, k);
+    sum.with_value(sum.value() + m[3][k])
+}
+
 /// A point in the space that the matrix leads to; zero where that is at infinity.
 #[inline(always)]
 pub fn transform_point<N: Number>(m: &[[N::Real; 4]; 4], p: [N; 3]) -> [N; 3] {
-    let [x, y, z, w] = [0, 1, 2, 3].map(|k| {
-        let sum = column(m, p, k);
-        sum.with_value(sum.value() + m[3][k])
-    });
+    // Written out: `map` becomes a call, and loops over points no vectors.
+    let (x, y) = (moved_column(m, p, 0), moved_column(m, p, 1));
+    let (z, w) = (moved_column(m, p, 2), moved_column(m, p, 3));
     [div(x, w), div(y, w), div(z, w)]
 }
 

@@ -16,6 +16,7 @@ const MOST_OUTPUT: usize = 16 << 20;
 
 impl Machine<'_> {
     /// Word `i` of a slot; 0 beyond its end, for files may give operations symbols of any types.
+    #[inline(always)]
     pub(super) fn cell_bits(&self, slot: &Slot, i: usize) -> u32 {
         if i < slot.size as usize { self.memory[slot.at as usize + i] } else { 0 }
     }
@@ -60,6 +61,7 @@ impl Machine<'_> {
     }
 
     /// Number `i` of a slot as a float. Single numbers serve for all components.
+    #[inline(always)]
     pub(super) fn float(&self, slot: &Slot, i: usize) -> f32 {
         let i = if slot.size == 1 { 0 } else { i };
         let cell_bits = self.cell_bits(slot, i);
@@ -67,6 +69,7 @@ impl Machine<'_> {
     }
 
     /// The same with its derivatives.
+    #[inline(always)]
     pub(super) fn dual(&self, slot: &Slot, i: usize) -> D {
         let value = self.float(slot, i);
         if !slot.derivs {
@@ -82,6 +85,7 @@ impl Machine<'_> {
     }
 
     /// Puts a number and its derivatives.
+    #[inline(always)]
     pub(super) fn set(&mut self, slot: &Slot, i: usize, value: D) {
         let (at, size) = (slot.at as usize + i, slot.size as usize);
         if i >= size {
