@@ -187,7 +187,8 @@ impl Search {
             None => self.trace.leaves(),
             Some(at) => {
                 let material = around.world.material_of(points.leaf_id[k], points.geom_id[k]);
-                self.trace.turn(&at, (points.inst_id[k], material, points.front(k)), &mut self.random)
+                let met = [points.leaf_id[k], points.geom_id[k], points.prim_id[k]];
+                self.trace.turn(&at, (points.inst_id[k], material, met, points.front(k)), &mut self.random)
             }
         };
         self.goes(around, goes);

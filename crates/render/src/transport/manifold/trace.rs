@@ -68,6 +68,8 @@ pub(super) struct Trace {
     pub(super) turns: Turns,
     /// Materials of its surfaces.
     pub(super) materials: [u32; MOST],
+    /// Which primitives they were: leaf, mesh, primitive.
+    pub(super) met: [[u32; 3]; MOST],
     /// The next ray, how it changes, and the key of surfaces that are there in part.
     pub(super) ray: Ray,
     pub(super) key: SampleKey,
@@ -114,6 +116,7 @@ impl Trace {
             most,
             turns: Turns::default(),
             materials: [0; MOST],
+            met: [[0; 3]; MOST],
             ray,
             key,
             layers: 0,
@@ -142,11 +145,11 @@ impl Trace {
         if self.is_new() && self.turns.count > 0 { Goes::Ended } else { Goes::Lost }
     }
 
-    /// Turns at a point; `of`: instance, material, and whether the ray came from the front.
+    /// Turns at a point; `of`: instance, material, primitive, and whether the ray came from the front.
     pub(super) fn turn(
         &mut self,
         at: &SmoothPoint,
-        (inst_id, material, front): (u32, u32, bool),
+        (inst_id, material, met, front): (u32, u32, [u32; 3], bool),
         random: &mut Random,
     ) -> Goes {
         let is_through = match self.planned {
@@ -166,6 +169,7 @@ impl Trace {
         self.absorption = at.bsdf.medium().on(!is_through);
         self.is_straight &= is_through && wi.distance_squared(dir) <= UNBENT;
         self.materials[self.turns.count] = material;
+        self.met[self.turns.count] = met;
         self.turns = self.turns.and(is_through);
         (self.ray, self.heading, self.org) = (ray, wi, ray.org.into());
         self.last =

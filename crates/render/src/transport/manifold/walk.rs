@@ -8,18 +8,19 @@
 use glam::{Mat2, Vec2, Vec3};
 use gnurt_shading::lights::Place;
 
-use super::trace::Trace;
+use super::trace::{MOST, Trace};
 
 /// Chains that are followed for one walk at most.
 const MOST_STEPS: u32 = 20;
 /// After this many, walks that still miss by more end.
 const GIVES_UP: [(u32, f32); 2] = [(3, 0.5), (6, 0.02)];
-/// A chain that misses by less than this has arrived.
+/// A chain that misses by less than this arrives with one more step, which leaves only the error of its arithmetic.
 const ARRIVED: f32 = 1e-5;
 /// The longest step.
 const FARTHEST: f32 = 0.4;
-/// Solutions closer than this are one: by where their chains would end, and by their first directions.
-const SAME_END: f32 = 3e-5;
+/// Solutions closer than this are one if they meet the same primitives: by where their chains would end, and by their first
+/// directions. In a focus each triangle of a caster has its own, and those on both sides of an edge are as close as can be.
+const SAME_END: f32 = 1e-5;
 const SAME_START: f32 = 0.005;
 
 /// By how much a chain misses a lamp.
@@ -85,6 +86,8 @@ pub(super) struct Newton {
     /// The share of the step that is taken.
     share: f32,
     steps: u32,
+    /// Whether only one more step was due.
+    is_last: bool,
 }
 
 /// What to do next.
@@ -98,23 +101,26 @@ pub(super) enum Next {
 
 impl Newton {
     pub(super) fn new() -> Self {
-        Self { base: None, share: 1.0, steps: 0 }
+        Self { base: None, share: 1.0, steps: 0, is_last: false }
     }
 
     /// A chain was followed to its end.
     pub(super) fn ended(&mut self, trace: &Trace, miss: &Miss) -> Next {
         let size = miss.by.length();
-        if size < ARRIVED {
+        if size < ARRIVED && self.is_last {
             return Next::Arrived;
         }
         if GIVES_UP.iter().any(|&(steps, least)| self.steps >= steps && size > least) {
             return Next::Failed;
         }
-        if self.base.is_some_and(|base| size > base.size) {
+        if self.base.is_some_and(|base| size > base.size && size >= ARRIVED) {
             return self.failed();
         }
+        self.is_last = size < ARRIVED;
         let Some(step) = miss.step() else { return Next::Failed };
-        if self.base.is_some() {
+        if self.is_last {
+            self.share = 1.0;
+        } else if self.base.is_some() {
             self.share = (2.0 * self.share).min(1.0);
         }
         let base = Base { dir: trace.dir, frame: trace.frame, step, size };
@@ -144,17 +150,20 @@ pub(super) struct Solution {
     dir: Vec3,
     frame: [Vec3; 2],
     change: Mat2,
+    met: [[u32; 3]; MOST],
 }
 
 impl Solution {
     pub(super) fn new(trace: &Trace, miss: &Miss) -> Self {
-        Self { dir: trace.dir, frame: trace.frame, change: miss.change }
+        Self { dir: trace.dir, frame: trace.frame, change: miss.change, met: trace.met }
     }
 
     /// Whether a chain that made the same turns is this one.
     pub(super) fn is(&self, trace: &Trace) -> bool {
         let off = trace.dir - self.dir;
         let step = Vec2::new(off.dot(self.frame[0]), off.dot(self.frame[1]));
-        off.length_squared() < SAME_START * SAME_START && (self.change * step).length() < SAME_END
+        self.met == trace.met
+            && off.length_squared() < SAME_START * SAME_START
+            && (self.change * step).length() < SAME_END
     }
 }
