@@ -3,7 +3,7 @@
 //! Source: [ZGJ20] sections 4.2 and 5 (walks with a step that shrinks where a proposal fails), [HDF15]. Differs: the unknown
 //! is the first direction, and all turns but the last condition hold by following the ray; so two unknowns do for chains of
 //! any length, and derivatives are those of rays.
-//! Space: world; misses and steps are in radians. Tests: crates/render/tests/caustics.rs.
+//! Space: world; misses and steps are in radians. Tests: `tests`, crates/render/tests/caustics.rs.
 
 use glam::{Mat2, Vec2, Vec3};
 use gnurt_shading::lights::Place;
@@ -166,5 +166,42 @@ impl Solution {
         self.met == trace.met
             && off.length_squared() < SAME_START * SAME_START
             && (self.change * step).length() < SAME_END
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt_accel::Ray;
+    use gnurt_shading::SampleKey;
+
+    /// A chain that goes `off` the z axis, over a primitive, and by how much it misses a lamp there.
+    fn chain(off: f32, prim_id: u32) -> (Trace, Miss) {
+        let key = SampleKey { pixel: 0, sample: 0, branch: 0 };
+        let dir = Vec3::new(off, 0.0, 1.0).normalize();
+        let mut trace = Trace::new(Ray::new([0.0; 3], dir.into()), key, Vec3::ZERO, None, MOST);
+        trace.met[0] = [0, 0, prim_id];
+        let miss = Miss::of(&trace, Place::At(Vec3::new(0.0, 0.0, 2.0))).expect("it is not at the lamp");
+        (trace, miss)
+    }
+
+    #[test]
+    fn solutions_on_two_primitives_are_two() {
+        let (trace, miss) = chain(0.0, 3);
+        let solution = Solution::new(&trace, &miss);
+        assert!(solution.is(&chain(0.0, 3).0), "the same");
+        assert!(solution.is(&chain(2e-5, 3).0), "as far off as walks end");
+        assert!(!solution.is(&chain(2e-4, 3).0), "farther off");
+        assert!(!solution.is(&chain(0.0, 4).0), "beyond an edge");
+    }
+
+    #[test]
+    fn walks_that_are_near_make_one_more_step() {
+        let mut walk = Newton::new();
+        let (trace, miss) = chain(0.5 * ARRIVED, 3);
+        let Next::Follow(dir) = walk.ended(&trace, &miss) else { panic!("one more step") };
+        assert!(dir.x.abs() < 1e-3 * ARRIVED, "it is exact here: {dir}");
+        let (trace, miss) = chain(dir.x, 3);
+        assert!(matches!(walk.ended(&trace, &miss), Next::Arrived));
     }
 }
