@@ -4,8 +4,8 @@
 //! Invariant: a table's functions are called with its own token, which proves that the CPU has the level.
 //! Tests: `tests/brute_force.rs` of `gnurt-accel`, which runs at every level.
 //!
-//! Traversals of single rays are compiled for the closest hit, for any hit and once for all hits that a
-//! callback judges; the others, where a ray spends its time elsewhere, once.
+//! Traversals of single rays are compiled for the closest hit and for any hit, each with counters and without,
+//! and once for all hits that a callback judges; the others, where a ray spends its time elsewhere, once.
 
 use std::marker::PhantomData;
 
@@ -35,8 +35,10 @@ pub struct Kernels {
 }
 
 type OnRay<I> = fn(Token, &I, &mut RayTraversal);
-/// As many arguments as registers take. Whether the ray is valid and regular, and the tree fast; if not, nothing is done.
-type Straight = fn(Token, &BvhIndex, &Ray, u32, &mut Nearest, &mut Counters) -> bool;
+/// Whether the ray is valid and regular, and the tree fast; if not, nothing is done.
+type Straight = fn(Token, &BvhIndex, &Ray, &mut Nearest) -> bool;
+/// The same of an object among others, counted. As many arguments as registers take.
+type Counted = fn(Token, &BvhIndex, &Ray, u32, &mut Nearest, &mut Counters) -> bool;
 type EnterRay<'a> = &'a mut dyn FnMut(MetBlock) -> f32;
 type EnterTile<'a> = &'a mut dyn EnterMembers;
 type EnterPoint<'a> = &'a mut dyn FnMut(usize) -> f64;
@@ -45,8 +47,9 @@ type OnBoxesTile = fn(Token, &BoxIndex, DirectionClass, &mut TileTraversal, Ente
 type OnPoint<I> = fn(Token, &I, &Probe, u32, &mut dyn NearestPoint);
 
 struct Table {
-    closest: Straight,
-    any: Straight,
+    straight: [Straight; 2],
+    closest: Counted,
+    any: Counted,
     each: OnRay<BvhIndex>,
     /// `None` where lanes are too narrow for it to pay, as below.
     tile: Option<OnTile<BvhIndex>>,
@@ -72,6 +75,7 @@ struct For<S>(PhantomData<S>);
 
 impl<S: Simd> For<S> {
     const TABLE: Table = Table {
+        straight: [search_straight::<S, Closest>, search_straight::<S, AnyHit>],
         closest: search::<S, Closest>,
         any: search::<S, AnyHit>,
         each: search_each::<S>,
@@ -112,6 +116,23 @@ fn search<S: Simd, M: Mode>(
     simd.vectorize(
         #[inline(always)]
         move || index.search_regular(simd, ray, slot, &mut Best::<M>::new(nearest), counters),
+    )
+}
+
+/// The same without counters, and of an only object: neither has a register.
+fn search_straight<S: Simd, M: Mode>(
+    token: Token,
+    index: &BvhIndex,
+    ray: &Ray,
+    nearest: &mut Nearest,
+) -> bool {
+    let simd = S::from_token(token);
+    if index.is_compact() {
+        return false;
+    }
+    simd.vectorize(
+        #[inline(always)]
+        move || index.search_regular(simd, ray, 0, &mut Best::<M>::new(nearest), &mut Counters::default()),
     )
 }
 
@@ -203,13 +224,15 @@ impl Kernels {
     /// nothing is done.
     #[inline(always)]
     pub fn closest(&self, index: &BvhIndex, ray: &Ray, nearest: &mut Nearest) -> bool {
-        (self.table.closest)(self.token, index, ray, 0, nearest, &mut Counters::default())
+        let [closest, _] = self.table.straight;
+        closest(self.token, index, ray, nearest)
     }
 
     /// Any hit; see [`closest`](Self::closest).
     #[inline(always)]
     pub fn any(&self, index: &BvhIndex, ray: &Ray, nearest: &mut Nearest) -> bool {
-        (self.table.any)(self.token, index, ray, 0, nearest, &mut Counters::default())
+        let [_, any] = self.table.straight;
+        any(self.token, index, ray, nearest)
     }
 
     /// One ray through moving triangles, at its time.

@@ -169,12 +169,17 @@ impl BvhIndex {
         collect: &mut C,
         tested: &mut u64,
     ) -> f32 {
-        for index in range {
+        // A leaf has a block: no test before the first.
+        let mut index = range.start;
+        loop {
             *tested += 1;
             let whose = [slot, (index * WIDTH) as u32];
             self.leaves.blocks[index].meet_at(simd, for_blocks, whose, collect);
+            index += 1;
+            if index >= range.end {
+                return collect.reach();
+            }
         }
-        collect.reach()
     }
 
     /// Offers hits in a leaf up to the first; whether there is none.
