@@ -11,11 +11,9 @@ Writes three scenes to FOLDER: a ball of glass and a ring of mirror on a floor, 
 import argparse
 import math
 import os
-import resource
-import subprocess
-import sys
 
 import numpy as np
+from guiding import read_pfm, run
 
 
 def ring(inner, outer, height, parts=96):
@@ -70,23 +68,6 @@ AttributeEnd
 MIRROR = "surface mirror(color tint = color(0.95, 0.8, 0.5)) { Ci = tint * reflection(N); }\n"
 
 
-def read_pfm(path):
-    with open(path, "rb") as file:
-        file.readline()
-        width, height = map(int, file.readline().split())
-        file.readline()
-        return np.frombuffer(file.read(), "<f4").reshape(height, width, 3).astype(float)
-
-
-def run(command):
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run(command, capture_output=True, text=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode:
-        sys.exit(f"{' '.join(command)}: {done.stderr}")
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
@@ -109,9 +90,9 @@ def main():
             how = ["--integrator", "path", "--caustics", choice] if choice in ("off", "on", "auto") else ["--integrator", choice]
             rest = ["-r", options.size, "--max-depth", "9", "-t", "1", "--denoise=none", "-q", "--shader", f"ring={mirror}", "-o", output]
             command = [options.program, "render", path, *rest, *how]
-            start, pictures, seconds = run([*command, "--spp", "1"]), [], []
+            (start, _), pictures, seconds = run([*command, "--spp", "1"]), [], []
             for seed in range(1, options.seeds + 1):
-                seconds.append(run([*command, "--spp", spp, "--seed", str(seed)]) - start)
+                seconds.append(run([*command, "--spp", spp, "--seed", str(seed)])[0] - start)
                 pictures.append(read_pfm(output))
             taken[choice] = (np.array(pictures), np.median(seconds) / int(spp), int(spp))
         mean = np.mean([pictures.mean(0) for pictures, _, _ in taken.values()], axis=0).mean(-1)

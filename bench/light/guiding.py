@@ -93,4 +93,5 @@ def main():
             print(f"{scene:16} {choice:6} relMSE {error:.5f} {seconds:6.2f} s mean {pictures.mean():.5f} variance {variance:.3f} time {time:.3f} product {variance * time:.3f} {told}", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -5,14 +5,10 @@
 use std::f64::consts::PI;
 
 use crate::common::*;
-use gnurt_image::Picture;
-use gnurt_render::{
-    Accumulation, Caustics, Integrator, Piece, RenderOptions, SceneCamera, Silent, World, render,
-};
+use gnurt_render::{Caustics, Integrator, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::detail::Interior;
 use gnurt_scene::material::Color;
 use gnurt_scene::{Light, Material, MaterialId, Mesh, Primitives, Scene, Surface};
-use gnurt_simd::Level;
 
 const ALBEDO: f32 = 0.6;
 
@@ -173,10 +169,6 @@ fn small(spp: u32, caustics: Caustics) -> RenderOptions {
     RenderOptions { integrator: Integrator::Path, max_depth: 7, caustics, ..options(32, 24, spp) }
 }
 
-fn picture_of((world, view): &(World, SceneCamera), options: &RenderOptions, threads: usize) -> Picture {
-    render(world, view, options, &pool(threads), &Silent).expect("sound options").picture
-}
-
 /// The mean of the picture and its standard error, over pictures of many seeds.
 fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: u64) -> [f64; 2] {
     let mean_of = |seed| mean(&picture_of(of, &RenderOptions { seed: 100 + seed, ..options.clone() }, 2))[1];
@@ -212,43 +204,15 @@ fn the_mean_is_that_of_scattered_rays() {
     }
 }
 
-fn bits(picture: &Picture) -> Vec<[u32; 4]> {
-    picture.color.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
-}
-
 /// Threads, levels, pieces and checkpoints.
 #[test]
 fn divided_pictures_have_the_same_bytes() {
     let of = ball_and_bowl(true, false);
-    let (world, view) = &of;
     let options = small(2, Caustics::On);
     let whole = picture_of(&of, &options, 1);
     let off = picture_of(&of, &small(2, Caustics::Off), 2);
     assert!(bits(&whole) != bits(&off), "searches are made");
-    assert!(bits(&whole) == bits(&picture_of(&of, &options, 3)), "three threads");
-    for level in Level::available() {
-        let other = picture_of(&of, &RenderOptions { level, ..options.clone() }, 2);
-        assert!(bits(&whole) == bits(&other), "at {level}");
-    }
-    let mut joined = bits(&off);
-    for index in 0..3 {
-        let piece = Some(Piece { index, count: 3 });
-        let part = picture_of(&of, &RenderOptions { piece, ..options.clone() }, 2);
-        for (joined, part) in joined.iter_mut().zip(bits(&part)) {
-            if f32::from_bits(part[3]) > 0.0 {
-                *joined = part;
-            }
-        }
-    }
-    assert!(bits(&whole) == joined, "three pieces");
-    let mut first = Accumulation::new(options.clone()).expect("sound");
-    first.pass(world, view, 1, &pool(2), &Silent);
-    let bytes = first.to_bytes(7);
-    let mut resumed = Accumulation::from_bytes(options, 7, &bytes).expect("it was just written");
-    while !resumed.is_complete() {
-        resumed.pass(world, view, 1, &pool(2), &Silent);
-    }
-    assert!(bits(&whole) == bits(&resumed.picture()), "broken off and gone on");
+    same_bytes_divided(&of, &options, &whole, &off);
 }
 
 #[test]

@@ -4,19 +4,12 @@
 
 use crate::common::*;
 use gnurt_image::Picture;
-use gnurt_render::{
-    Accumulation, Guiding, Integrator, Piece, RenderOptions, SceneCamera, Silent, World, render,
-};
+use gnurt_render::{Accumulation, Guiding, Integrator, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::material::Color;
 use gnurt_scene::{Material, MaterialId, Scene, Surface};
-use gnurt_simd::Level;
 
 fn path(width: u32, height: u32, spp: u32, guiding: Guiding) -> RenderOptions {
     RenderOptions { integrator: Integrator::Path, max_depth: 8, guiding, ..options(width, height, spp) }
-}
-
-fn bits(picture: &Picture) -> Vec<[u32; 4]> {
-    picture.color.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
 }
 
 /// A closed cube from -1 to 1 whose sides look inward.
@@ -86,10 +79,6 @@ fn room(panel: f32) -> (World, SceneCamera) {
         put_mesh(&mut scene, sphere([-1.5, y, 0.5], 0.5, 12, material));
     }
     (world_of(&scene, false), camera([-2.9, -1.6, 1.6], [-1.0, 0.4, 0.7], 70.0))
-}
-
-fn picture_of((world, view): &(World, SceneCamera), options: &RenderOptions, threads: usize) -> Picture {
-    render(world, view, options, &pool(threads), &Silent).expect("sound options").picture
 }
 
 /// The mean of the picture, its standard error, and the mean of the variance of pixels, over pictures of many seeds.
@@ -175,27 +164,11 @@ fn mirrors_keep_their_bits() {
 #[test]
 fn divided_pictures_have_the_same_bytes() {
     let room = room_below_glass();
-    let (world, view) = &room;
     let options = path(24, 36, 3, Guiding::On);
     let whole = picture_of(&room, &options, 1);
     let off = picture_of(&room, &path(24, 36, 3, Guiding::Off), 2);
     assert!(bits(&whole) != bits(&off), "the guide is on");
-    assert!(bits(&whole) == bits(&picture_of(&room, &options, 3)), "three threads");
-    for level in Level::available() {
-        let other = picture_of(&room, &RenderOptions { level, ..options.clone() }, 2);
-        assert!(bits(&whole) == bits(&other), "at {level}");
-    }
-    let mut joined = bits(&off);
-    for index in 0..3 {
-        let piece = Some(Piece { index, count: 3 });
-        let part = picture_of(&room, &RenderOptions { piece, ..options.clone() }, 2);
-        for (joined, part) in joined.iter_mut().zip(bits(&part)) {
-            if f32::from_bits(part[3]) > 0.0 {
-                *joined = part;
-            }
-        }
-    }
-    assert!(bits(&whole) == joined, "three pieces");
+    same_bytes_divided(&room, &options, &whole, &off);
     let rows = picture_of(&room, &RenderOptions { rows: Some([32, 36]), ..options.clone() }, 2);
     assert!(bits(&whole)[32 * 24..] == bits(&rows)[..], "the last rows");
     let crop = picture_of(&room, &RenderOptions { crop: Some([5, 10, 20, 30]), ..options.clone() }, 2);
@@ -203,14 +176,6 @@ fn divided_pictures_have_the_same_bytes() {
         let row = y * 24 + 5..y * 24 + 20;
         assert!(bits(&whole)[row.clone()] == bits(&crop)[row], "row {y} of a crop");
     }
-    let mut first = Accumulation::new(options.clone()).expect("sound");
-    first.pass(world, view, 1, &pool(2), &Silent);
-    let bytes = first.to_bytes(7);
-    let mut resumed = Accumulation::from_bytes(options, 7, &bytes).expect("it was just written");
-    while !resumed.is_complete() {
-        resumed.pass(world, view, 1, &pool(2), &Silent);
-    }
-    assert!(bits(&whole) == bits(&resumed.picture()), "broken off and gone on");
 }
 
 /// Where `auto` begins does not depend on passes.

@@ -2,6 +2,9 @@
 //! Small scenes and pictures for the tests of this crate.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of it")]
 
+mod divided;
+
+pub use divided::*;
 use gnurt_image::Picture;
 use gnurt_render::{CommitOptions, Frame, RenderOptions, SceneCamera, ShaderTable, Silent, World, render};
 use gnurt_scene::{Affine, Camera, Light, Material, MaterialId, Mesh, Scene};
