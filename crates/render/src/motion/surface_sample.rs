@@ -37,7 +37,6 @@ const COLUMNS: u32 = 64;
 /// Kinds with the same appearance from all sides.
 const WIDE: u32 =
     Kind::None.bit() | Kind::Diffuse.bit() | Kind::Sheen.bit() | Kind::Fibres.bit() | Kind::Translucent.bit();
-const DELTAS: u32 = Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit();
 
 /// The surface of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -190,7 +189,7 @@ impl Met<'_, '_> {
         if shader.radiance().is_some() {
             // Its scattering is unknown.
             roughness = HALF_WIDE;
-        } else if closures.kinds(k) & DELTAS != 0 {
+        } else if closures.kinds(k) & Kind::DELTAS != 0 {
             let bsdf = closures.point(k).bsdf;
             let manner = Manner::of(&bsdf, toward);
             if let Some(branch) = manner.onward {

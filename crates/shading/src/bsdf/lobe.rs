@@ -57,6 +57,10 @@ pub enum Kind {
     Strand,
     /// Light that a rough cylinder reflects, lets through or lets out later.
     RoughFibre,
+    /// Mirrors in one direction under Schlick's reflectances.
+    SmoothFacets,
+    /// Mirrors in one direction as a metal by its complex index does.
+    SmoothMetal,
 }
 
 /// Widths of slopes up to which reflections look like those in mirrors; twice the least width.
@@ -64,7 +68,7 @@ pub(super) const POLISHED: f32 = 2.0 * ggx::SMALLEST_ALPHA;
 
 impl Kind {
     /// In the order of their numbers.
-    pub(super) const ALL: [Self; 21] = [
+    pub(super) const ALL: [Self; 23] = [
         Self::None,
         Self::Diffuse,
         Self::Microfacets,
@@ -86,7 +90,15 @@ impl Kind {
         Self::GlossyToon,
         Self::Strand,
         Self::RoughFibre,
+        Self::SmoothFacets,
+        Self::SmoothMetal,
     ];
+
+    /// The bits of kinds that mirror in one direction and let nothing through.
+    pub(super) const MIRRORS: u32 = Self::Mirror.bit() | Self::SmoothFacets.bit() | Self::SmoothMetal.bit();
+
+    /// The bits of kinds that have no values, only branches.
+    pub const DELTAS: u32 = Self::MIRRORS | Self::SmoothGlass.bit() | Self::SmoothPane.bit();
 
     /// Its bit in a set of kinds.
     #[inline(always)]
@@ -98,7 +110,24 @@ impl Kind {
     /// Whether it has no values, only branches.
     #[must_use]
     pub fn is_delta(self) -> bool {
-        matches!(self, Self::Mirror | Self::SmoothGlass | Self::SmoothPane)
+        Self::DELTAS & self.bit() != 0
+    }
+
+    /// Whether it reflects as microfacets or a smooth surface by Schlick's reflectances or a metal's index.
+    fn is_reflector(self) -> bool {
+        matches!(self, Self::Microfacets | Self::Metal | Self::SmoothFacets | Self::SmoothMetal)
+    }
+
+    /// The kind of such lobes for slopes of these widths: too narrow ones are smooth.
+    fn for_slopes(self, alpha: f32) -> Self {
+        let is_smooth = alpha <= ggx::SMALLEST_ALPHA;
+        match self {
+            Self::Microfacets | Self::SmoothFacets if is_smooth => Self::SmoothFacets,
+            Self::Microfacets | Self::SmoothFacets => Self::Microfacets,
+            Self::Metal | Self::SmoothMetal if is_smooth => Self::SmoothMetal,
+            Self::Metal | Self::SmoothMetal => Self::Metal,
+            other => other,
+        }
     }
 
     /// Whether it sends light to all sides: neither microfacets nor mirrors nor glass.
@@ -275,18 +304,18 @@ impl Lobe {
         self.kind == Kind::Diffuse && self.b != Vec3::ZERO
     }
 
-    /// Microfacets of width `alpha`, in (0, 1], with reflectance `f0` at normal and `f90` at grazing
-    /// incidence.
+    /// Microfacets of width `alpha`, in [0, 1], with reflectance `f0` at normal and `f90` at grazing
+    /// incidence. Up to 0.001 the surface is smooth: it mirrors in one direction.
     #[must_use]
     pub fn microfacets(alpha: f32, f0: Vec3, f90: Vec3) -> Self {
-        Self { a: f0, b: f90, alpha, ..Self::of(Kind::Microfacets) }
+        Self { a: f0, b: f90, alpha, ..Self::of(Kind::Microfacets.for_slopes(alpha)) }
     }
 
     /// A metal of width `alpha` by its index of refraction (> 0) and its extinction coefficient (>= 0) per
-    /// channel.
+    /// channel; smooth as [`microfacets`](Self::microfacets) are.
     #[must_use]
     pub fn metal(alpha: f32, eta: Vec3, k: Vec3) -> Self {
-        Self { a: eta, b: k, c: conductor::average(eta, k), alpha, ..Self::of(Kind::Metal) }
+        Self { a: eta, b: k, c: conductor::average(eta, k), alpha, ..Self::of(Kind::Metal.for_slopes(alpha)) }
     }
 
     /// A perfect mirror.
@@ -427,10 +456,15 @@ impl Lobe {
     /// microfacets of brushed surfaces. Lobes without microfacets are unchanged.
     #[must_use]
     pub fn brushed(self, tangent: Vec3, across: f32) -> Self {
-        if !self.kind.has_slopes() || across == self.alpha || !tangent.is_finite() || tangent == Vec3::ZERO {
+        let has_slopes = self.kind.has_slopes() || self.kind.is_reflector();
+        if !has_slopes || across == self.alpha || !tangent.is_finite() || tangent == Vec3::ZERO {
             return self;
         }
-        let brushed = Self { tangent, across: across.max(f32::MIN_POSITIVE), ..self };
+        let kind = self.kind.for_slopes(self.alpha.max(across));
+        if kind.is_delta() {
+            return self;
+        }
+        let brushed = Self { kind, tangent, across: across.max(f32::MIN_POSITIVE), ..self };
         match self.kind {
             Kind::Glass | Kind::Pane | Kind::SchlickGlass => {
                 let thin = self.kind == Kind::Pane;
@@ -446,13 +480,14 @@ impl Lobe {
     #[must_use]
     pub fn risen(self, power: f32) -> Self {
         let is_other = power != SCHLICK && power > 0.0 && power.is_finite();
-        if self.kind == Kind::Microfacets && is_other { Self { eta: -power, ..self } } else { self }
+        let is_schlick = matches!(self.kind, Kind::Microfacets | Kind::SmoothFacets);
+        if is_schlick && is_other { Self { eta: -power, ..self } } else { self }
     }
 
     /// The same with light of further bounces as `light` has it. Lobes other than microfacets that reflect are unchanged.
     #[must_use]
     pub fn between_facets(self, light: BetweenFacets) -> Self {
-        if !matches!(self.kind, Kind::Microfacets | Kind::Metal) {
+        if !self.kind.is_reflector() {
             return self;
         }
         let spread = match light {
@@ -467,24 +502,18 @@ impl Lobe {
     /// The same under a film. Lobes without microfacets and other than glass are unchanged.
     #[must_use]
     pub fn filmed(self, film: Film) -> Self {
-        let carries = matches!(
+        let is_glass = matches!(
             self.kind,
-            Kind::Microfacets
-                | Kind::Metal
-                | Kind::Glass
-                | Kind::Pane
-                | Kind::SmoothGlass
-                | Kind::SmoothPane
-                | Kind::SchlickGlass
+            Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane | Kind::SchlickGlass
         );
-        if !carries || !film.is_there() {
+        if !(is_glass || self.kind.is_reflector()) || !film.is_there() {
             return self;
         }
         let filmed = Self { film, ..self };
         match self.kind {
-            Kind::Microfacets | Kind::Metal => {
-                let bare = match self.kind {
-                    Kind::Metal => self.c,
+            kind if kind.is_reflector() => {
+                let bare = match kind {
+                    Kind::Metal | Kind::SmoothMetal => self.c,
                     _ => fresnel::schlick_average(self.a.into(), self.b.into()).into(),
                 };
                 Self { c: bare.lerp(film::average(film, filmed.base()), film.share), ..filmed }
@@ -504,8 +533,8 @@ impl Lobe {
     /// The material below a film.
     pub(super) fn base(&self) -> Base {
         match self.kind {
-            Kind::Metal => Base::Metal(self.a, self.b),
-            Kind::Microfacets => Base::Normal(self.a),
+            Kind::Metal | Kind::SmoothMetal => Base::Metal(self.a, self.b),
+            Kind::Microfacets | Kind::SmoothFacets => Base::Normal(self.a),
             _ => Base::Index(self.eta),
         }
     }
@@ -515,7 +544,8 @@ impl Lobe {
     pub(super) fn rare(&self) -> u32 {
         let bit = |has: bool, bit: u32| if has { bit } else { 0 };
         let brushed = bit(self.across > 0.0, rare::ANISOTROPY);
-        let risen = self.kind == Kind::Microfacets && self.eta < 0.0 || self.kind == Kind::SchlickGlass;
+        let is_schlick = matches!(self.kind, Kind::Microfacets | Kind::SmoothFacets);
+        let risen = is_schlick && self.eta < 0.0 || self.kind == Kind::SchlickGlass;
         let film = bit(self.film.share > 0.0, rare::FILM);
         let scaled = matches!(self.kind, Kind::Microfacets | Kind::Metal) && self.spread < 0.0;
         let light = bit(self.is_dispersed(), rare::SPREAD) | bit(scaled, rare::SCALED);
@@ -531,7 +561,7 @@ impl Lobe {
     pub(super) fn above(&self) -> [Vec3; 2] {
         let weight = self.weight;
         let through = match self.kind {
-            Kind::Diffuse | Kind::Metal | Kind::Translucent => return [Vec3::ZERO, weight],
+            Kind::Diffuse | Kind::Metal | Kind::SmoothMetal | Kind::Translucent => return [Vec3::ZERO, weight],
             Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane | Kind::Beckmann => {
                 self.b.max_element().clamp(0.0, 1.0)
             }

@@ -236,10 +236,12 @@ impl<R: Real> Prepared<R> {
         }
         let mut delta = one.above(one);
         let mut weight = Vector::grey(zero);
-        let deltas = Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit();
-        if lobe.kinds & deltas != 0 {
-            delta = lobe.is(Kind::Mirror) | lobe.is(Kind::SmoothGlass) | lobe.is(Kind::SmoothPane);
-            let glass = !lobe.is(Kind::Mirror);
+        if lobe.kinds & Kind::DELTAS != 0 {
+            let glass = lobe.is(Kind::SmoothGlass) | lobe.is(Kind::SmoothPane);
+            delta = glass;
+            for kind in [Kind::Mirror, Kind::SmoothFacets, Kind::SmoothMetal] {
+                delta = delta | lobe.is(kind);
+            }
             let (branches, share) = lobe.branches(wo);
             let mirrors = !glass | share.above(first);
             let probability = R::pick(glass, R::pick(mirrors, share, share.rest()), one);
@@ -460,7 +462,7 @@ impl Prepared<f32> {
     pub(super) fn delta_branches(&self) -> [Option<(Vec3, Vec3)>; 2] {
         let mut out: [Option<(Vec3, Vec3)>; 2] = [None; 2];
         for lobe in self.lobes() {
-            if lobe.kinds & (Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit()) == 0 {
+            if lobe.kinds & Kind::DELTAS == 0 {
                 continue;
             }
             let [tangent, bitangent] = frame_around(lobe.normal);

@@ -129,12 +129,12 @@ impl<R: Real> PreparedLobe<R> {
     pub(super) fn branches(&self, wo: Vector<R>) -> ([Branch<R>; 2], R) {
         let (zero, one) = (wo.z.all(0.0), wo.z.all(1.0));
         let mirrored = Vector::new(-wo.x, -wo.y, wo.z);
-        let is_mirror = self.is(Kind::Mirror);
-        let share = Vector::pick(is_mirror, Vector::grey(one), self.mirrored_by_plane());
+        let (is_mirror, mirror) = self.mirrors(self.cos);
+        let share = self.mirrored_by_plane();
         let (bent, some) = dielectric::refract(wo, Vector::all(one, Vec3::Z), self.eta);
         let pane = self.is(Kind::SmoothPane);
         let (through, some) = (Vector::pick(pane, -wo, bent), some | pane);
-        let lights = [self.a * share, self.b * share.rest()];
+        let lights = [Vector::pick(is_mirror, mirror, self.a * share), self.b * share.rest()];
         let lights = [lights[0], Vector::pick(some & !is_mirror, lights[1], Vector::grey(zero))];
         let [a, b] = lights.map(Vector::sum);
         let probability = R::pick((a + b).above(zero), a / (a + b), one);

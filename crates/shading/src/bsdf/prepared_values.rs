@@ -35,7 +35,7 @@ impl<R: Real> PreparedLobe<R> {
             #[inline(always)]
             || {
                 let [share, ior, thickness] = self.rarities.film;
-                let metal = R::bits(self.is(Kind::Metal));
+                let metal = R::bits(self.is_metal());
                 bare.each_colour(
                     share.above_all(0.0),
                     #[inline(always)]
@@ -139,6 +139,24 @@ impl<R: Real> PreparedLobe<R> {
         lost(even) / (even[0] + even[1]).or_more(cos.all(1e-6))
     }
 
+    /// Metals by their complex index, rough or smooth.
+    #[inline(always)]
+    fn is_metal(&self) -> R::Mask {
+        self.is(Kind::Metal) | self.is(Kind::SmoothMetal)
+    }
+
+    /// Lobes that mirror in one direction and let nothing through; and the share of light that they do.
+    #[inline(always)]
+    pub(super) fn mirrors(&self, cos: R) -> (R::Mask, Vector<R>) {
+        let (mut is, mut share) = (self.is(Kind::Mirror), self.a);
+        if self.has(Kind::SmoothFacets) || self.has(Kind::SmoothMetal) {
+            let smooth = self.is(Kind::SmoothFacets) | self.is(Kind::SmoothMetal);
+            share = Vector::pick(smooth, self.mirrored_by_facet(cos), share);
+            is = is | smooth;
+        }
+        (is, share)
+    }
+
     /// Reflectance of a microfacet at the cosine `cos_h`.
     #[inline(always)]
     fn mirrored_by_facet(&self, cos_h: R) -> Vector<R> {
@@ -150,13 +168,13 @@ impl<R: Real> PreparedLobe<R> {
             );
         }
         let mut reflectance = self.a + (self.b - self.a) * rise;
-        if self.has(Kind::Metal) {
+        if self.has(Kind::Metal) || self.has(Kind::SmoothMetal) {
             let metal = self.a.with(
                 self.b,
                 #[inline(always)]
                 |eta, k| fresnel::conductor(cos_h, eta, k),
             );
-            reflectance = Vector::pick(self.is(Kind::Metal), metal, reflectance);
+            reflectance = Vector::pick(self.is_metal(), metal, reflectance);
         }
         self.filmed(cos_h, reflectance)
     }
@@ -288,8 +306,9 @@ impl<R: Real> PreparedLobe<R> {
             let is = self.is(Kind::Sheen);
             albedo = Vector::pick(is, Vector::grey(sheen::albedo(self.alpha, self.cos)), albedo);
         }
-        if self.has(Kind::Mirror) {
-            albedo = Vector::pick(self.is(Kind::Mirror), self.a, albedo);
+        if self.kinds & Kind::MIRRORS != 0 {
+            let (is, share) = self.mirrors(self.cos);
+            albedo = Vector::pick(is, share, albedo);
         }
         if self.has(Kind::SmoothGlass) || self.has(Kind::SmoothPane) {
             let is = self.is(Kind::SmoothGlass) | self.is(Kind::SmoothPane);
@@ -351,8 +370,13 @@ impl<R: Real> PreparedLobe<R> {
         if self.has(Kind::Sheen) {
             back = Vector::pick(self.is(Kind::Sheen), Vector::grey(sheen::albedo(self.alpha, cos)), back);
         }
-        let flat = self.is(Kind::Diffuse) | self.is(Kind::Mirror);
+        let mut flat = self.is(Kind::Diffuse);
         back = Vector::pick(flat, self.a, back);
+        if self.kinds & Kind::MIRRORS != 0 {
+            let (is, share) = self.mirrors(cos);
+            back = Vector::pick(is, share, back);
+            flat = flat | is;
+        }
         let clear = !(is_microfacets | self.is(Kind::Sheen) | self.is(Kind::Metal) | flat);
         back = Vector::pick(clear, Vector::grey(cos.all(0.0)), back);
         if self.kinds & (GLASS | scalar_lobes::KINDS) != 0 {
