@@ -51,3 +51,31 @@ fn functions_cannot_call_themselves() {
     );
     assert!(strict.contains("cannot be recursive"), "{strict}");
 }
+
+#[test]
+fn a_wrong_name_is_not_proposed_again() {
+    // Formals of the library's functions, such as q of `distance`, do not hold in shaders.
+    let drawn = messages("shader test() { float x = q; }", Style::Drawn);
+    assert!(drawn.contains("'q' was not declared") && !drawn.contains("did you mean 'q'"), "{drawn}");
+    let drawn =
+        messages("float f(float inner) { return inner; } shader test() { float x = iner; }", Style::Drawn);
+    assert!(!drawn.contains("did you mean"), "names of other functions: {drawn}");
+}
+
+#[test]
+fn called_functions_need_a_body() {
+    let drawn = messages("closure color my(normal n); surface test() { Ci = my(N) + my(Ng); }", Style::Drawn);
+    assert!(drawn.contains("function 'my' is declared and called, but has no body"), "{drawn}");
+    assert!(drawn.contains("[[ int builtin = 1 ]]") && drawn.matches("has no body").count() == 1, "{drawn}");
+    let drawn = messages("float f(float x); shader test() { float y = f(u); }", Style::Drawn);
+    assert!(drawn.contains("'f' is declared and called") && drawn.contains("in braces"), "{drawn}");
+    for fine in [
+        "closure color my(normal n) [[ int builtin = 1 ]]; surface test() { Ci = my(N); }",
+        "float f(float x); shader test() { float y = f(u); } float f(float x) { return x; }",
+        "float f(float x); shader test() { float y = u; }",
+    ] {
+        assert_eq!(messages(fine, Style::Drawn), "", "{fine}");
+    }
+    let drawn = messages("void f(float x); shader test() { f(u); }", Style::Drawn);
+    assert!(drawn.contains("warning") && !drawn.contains("error"), "as OSL's compiler: {drawn}");
+}

@@ -91,6 +91,9 @@ impl Checker<'_> {
         if self.signatures[chosen as usize].returned == 0 && ty != Type::VOID && signature.defined {
             self.error(loc, format!("non-void function \"{name}\" had no 'return' statement."));
         }
+        if !signature.defined && self.mute == 0 {
+            self.bodiless.push((user, loc));
+        }
         Expr { kind: ExprKind::Call(user, values), ty, loc }
     }
 

@@ -9,7 +9,7 @@ use super::scope::{Named, Scopes};
 use super::signature::Signature;
 use crate::budget::Budget;
 use crate::diagnostics::{Diagnostic, Diagnostics, Severity};
-use crate::hir::{Expr, ExprKind, Program, Var, VarKind};
+use crate::hir::{Expr, ExprKind, FuncId, Program, Var, VarKind};
 use crate::source::{Loc, Sources};
 use crate::types::Type;
 use std::collections::HashSet;
@@ -59,6 +59,8 @@ pub(super) struct Checker<'a> {
     pub(super) mute: usize,
     /// While above 0 all messages are early.
     pub(super) all_early: usize,
+    /// Calls of functions that had no body yet: the function and the place.
+    pub(super) bodiless: Vec<(FuncId, Loc)>,
     tries: usize,
     guesses: usize,
     /// Comparisons of functions with earlier ones of their names.
@@ -135,6 +137,7 @@ impl<'a> Checker<'a> {
             options,
             mute: 0,
             all_early: 0,
+            bodiless: Vec::new(),
             tries: 0,
             guesses: 0,
             comparisons: Budget::new(
@@ -299,12 +302,7 @@ impl<'a> Checker<'a> {
         if wrong.len() > 60 || self.guesses > GUESSES {
             return None;
         }
-        let names: Vec<&str> = if functions {
-            self.signatures.iter().map(|s| &*s.name).collect()
-        } else {
-            self.program.vars.iter().map(|v| v.name.rsplit_once("__").map_or(&*v.name, |p| p.1)).collect()
-        };
-        let names = names.into_iter().map(|n| n.trim_start_matches(|c: char| c == '_' || c.is_ascii_digit()));
+        let names = self.scopes.names(functions);
         let best = names.filter(|n| n.len() < 60).map(|n| (distance(wrong, n), n)).min()?;
         (best.0 <= 1 + wrong.len() / 4).then(|| format!("did you mean '{}'?", best.1))
     }

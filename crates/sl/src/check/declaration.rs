@@ -84,6 +84,7 @@ pub fn check(
         );
     } else {
         checker.done.append(late);
+        checker.missing_bodies();
     }
     (checker.program, checker.done)
 }
@@ -401,6 +402,33 @@ impl Checker<'_> {
                 let made = self.program.funcs[id as usize].clone();
                 self.program.funcs[declared as usize] = made;
             }
+        }
+    }
+
+    /// Reports functions that are called and have no body at the end of the file, each once. Without a result it is a warning:
+    /// OSL's compiler takes them.
+    fn missing_bodies(&mut self) {
+        let mut reported = HashSet::new();
+        for (id, loc) in std::mem::take(&mut self.bodiless) {
+            let Some(Func { name, returns, body: None, .. }) = self.program.funcs.get(id as usize) else {
+                continue;
+            };
+            if !reported.insert(id) {
+                continue;
+            }
+            let (name, returns) = (name.clone(), *returns);
+            let message = format!("function '{name}' is declared and called, but has no body");
+            if returns == Type::VOID {
+                self.warning(loc, message);
+                continue;
+            }
+            let help = match returns == Type::CLOSURE {
+                true => {
+                    "closures of the renderer are declared with [[ int builtin = 1 ]] before the semicolon"
+                }
+                false => "write its body in braces in place of the semicolon",
+            };
+            self.error_help(loc, message, help.to_owned());
         }
     }
 

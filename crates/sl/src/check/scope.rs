@@ -60,6 +60,17 @@ impl Scopes {
         }
     }
 
+    /// The names of all functions that hold here, or of all variables.
+    pub(super) fn names(&self, functions: bool) -> impl Iterator<Item = &Arc<str>> {
+        let is_meant = move |named: &Named| match named {
+            Named::Funcs(_) => functions,
+            Named::Var(_) => !functions,
+            Named::Struct(_) => false,
+        };
+        let all = self.open.iter().flat_map(|(_, scope)| scope);
+        all.filter(move |(_, named)| is_meant(named)).map(|(name, _)| name)
+    }
+
     /// Gives a name its meaning from here on.
     pub(super) fn insert(&mut self, name: Arc<str>, named: Named) {
         if let Some(scope) = self.open.last_mut() {
