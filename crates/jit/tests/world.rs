@@ -24,9 +24,10 @@ pub(crate) struct World {
 
 impl Default for World {
     fn default() -> Self {
-        let param = |ty: Type| ClosureParam { ty, key: None };
-        let named = |ty: Type, key: &str| ClosureParam { ty, key: Some(key.into()) };
-        let decl = |name: &str, params: Vec<ClosureParam>| ClosureDecl { name: name.into(), params };
+        let param = |ty: Type| ClosureParam::new("", ty);
+        let named = |ty: Type, key: &str| ClosureParam::keyword(key, ty);
+        let decl =
+            |name: &str, params: Vec<ClosureParam>| ClosureDecl { name: name.into(), params: params.into() };
         let tint = Type::COLOR;
         let microfacet = [Type::STRING, Type::NORMAL, Type::FLOAT, Type::FLOAT, Type::INT].map(param);
         let conductor = [Type::NORMAL, Type::VECTOR, Type::FLOAT, Type::FLOAT, tint, tint, Type::STRING];

@@ -100,6 +100,8 @@ fn point(path: &Path, t: f32, sphere: &Sphere) -> Point {
     let n = unit(add(p, times(sphere.center, -1.0)));
     let (phi, theta) = (n[2].atan2(n[0]), n[1].clamp(-1.0, 1.0).acos());
     let inside = dot(n, path.dir) > 0.0;
+    // Normals face the viewer, as OSL's shaders expect.
+    let n = if inside { times(n, -1.0) } else { n };
     Point {
         p: p.into(),
         i: path.dir.into(),
@@ -112,34 +114,52 @@ fn point(path: &Path, t: f32, sphere: &Sphere) -> Point {
     }
 }
 
+/// The reflectance of glass of the index behind it over that before it. Closures of glass contain it.
+fn fresnel(cosine: f32, eta: f32) -> f32 {
+    let inner = 1.0 - (1.0 - cosine * cosine) / (eta * eta);
+    if inner <= 0.0 {
+        return 1.0;
+    }
+    let t = inner.sqrt();
+    let (s, p) = ((cosine - eta * t) / (cosine + eta * t), (eta * cosine - t) / (eta * cosine + t));
+    0.5 * (s * s + p * p)
+}
+
+/// The weight of a closure, with its reflectance or transmittance.
+fn strength(lobe: &Lobe, dir: V) -> V {
+    let (eta, cosine) = (lobe.float(1), -dot(dir, lobe.triple(0)));
+    match &*lobe.name {
+        "reflection" if eta > 0.0 => times(lobe.weight, fresnel(cosine, eta)),
+        "refraction" => times(lobe.weight, 1.0 - fresnel(cosine, eta)),
+        _ => lobe.weight,
+    }
+}
+
 /// Adds emission to `light`, and sends the path on along one of the closures.
 fn scatter(lobes: &[Lobe], p: V, path: &mut Path, light: &mut V) -> bool {
     let emits = |lobe: &&Lobe| &*lobe.name == "emission";
     lobes.iter().filter(emits).for_each(|lobe| *light = add(*light, product(path.weight, lobe.weight)));
-    let others: Vec<&Lobe> = lobes.iter().filter(|lobe| !emits(lobe)).collect();
-    let share = |lobe: &Lobe| lobe.weight.iter().sum::<f32>();
-    let all: f32 = others.iter().map(|lobe| share(lobe)).sum();
+    let others: Vec<(&Lobe, V)> =
+        lobes.iter().filter(|lobe| !emits(lobe)).map(|lobe| (lobe, strength(lobe, path.dir))).collect();
+    let share = |weight: V| weight.iter().sum::<f32>();
+    let all: f32 = others.iter().map(|(_, weight)| share(*weight)).sum();
     let mut left = path.random.next() * all;
-    let Some(lobe) = others.into_iter().find(|lobe| {
-        left -= share(lobe);
+    let Some((lobe, weight)) = others.into_iter().find(|(_, weight)| {
+        left -= share(*weight);
         left < 0.0
     }) else {
         return false;
     };
-    let mut weight = times(lobe.weight, all / share(lobe));
+    let mut weight = times(weight, all / share(weight));
     let n = lobe.triple(0);
     path.dir = match &*lobe.name {
         "diffuse" => path.random.cosine(n),
         "reflection" => mirrored(path.dir, n),
-        // Glass: its second argument is the index, of this side over the other one.
+        // Its second argument is the index behind the surface over that before it.
         "refraction" => {
-            let (eta, cosine) = (lobe.float(1), -dot(path.dir, n));
-            let n = if cosine < 0.0 { times(n, -1.0) } else { n };
-            let k = 1.0 - eta * eta * (1.0 - cosine * cosine);
-            match k < 0.0 {
-                true => mirrored(path.dir, n),
-                false => unit(add(times(path.dir, eta), times(n, eta * cosine.abs() - k.sqrt()))),
-            }
+            let (eta, cosine) = (1.0 / lobe.float(1), -dot(path.dir, n));
+            let inner = (1.0 - eta * eta * (1.0 - cosine * cosine)).max(0.0).sqrt();
+            unit(add(times(path.dir, eta), times(n, eta * cosine - inner)))
         }
         other => panic!("no model for the closure '{other}'"),
     };
@@ -162,10 +182,8 @@ const SURFACES: [&str; 4] = [
         Ci = 0.85 * mix (color (0.9), color (0.1, 0.3, 0.25), veins) * diffuse (N) + 0.1 * reflection (N);
     }",
     "surface glass (float ior = 1.5) {
-        float eta = backfacing () ? ior : 1 / ior;
-        float c = fabs (dot (I, N)), r = pow ((1 - eta) / (1 + eta), 2);
-        float f = r + (1 - r) * pow (1 - c, 5);
-        Ci = f * reflection (backfacing () ? -N : N) + (1 - f) * refraction (N, eta);
+        float eta = backfacing () ? 1 / ior : ior;
+        Ci = reflection (N, eta) + refraction (N, eta);
     }",
     "surface lamp (float power = 1) { Ci = power * color (1, 0.85, 0.6) * emission (); }",
 ];

@@ -7,7 +7,8 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The text is no shader; each message has its file, line and column, and ends with a line end.
+    /// The text is no shader; each message has its file, line and column, and ends with a line end. Folders of `include` that do
+    /// not exist follow.
     #[error("{}", .0.concat().trim_end())]
     Compile(Vec<String>),
     /// A file cannot be read.

@@ -39,15 +39,29 @@
 //! # }
 //! ```
 //!
-//! A renderer of spheres with these shaders: `examples/tiny_path_tracer.rs`.
+//! A path tracer of spheres with such shaders: `examples/tiny_path_tracer.rs`. The reference is complete without it:
 //!
-//! Space: positions and directions of a [`Point`] are in the renderer's space, which shaders call `common`. Derivatives are from
-//! pixel to pixel; a [`Dual`] made of a plain value has none.
+//! * [`closures`]: parameters and units of all closures, the meaning of weights, closures of one's own.
+//! * [`Point`]: orientation and defaults of its fields.
+//! * [`GroupBuilder`]: the order of layers.
+//! * [`Host`]: matrices, spaces, and how a query finds its object.
+//! * [`ShaderGroup::run`]: how many points to run at once.
+//! * [`Needs`]: the fields that a group reads.
+//!
+//! Of a [`Dual`] a renderer uses `Dual::new (value, dx, dy)`, `value.into ()` where there are no derivatives, and the field
+//! `value`; its other methods are the library's. For the derivatives of a hit intersect the rays of the next pixels in
+//! x and y with the plane through the hit: `dx` of `p` is the way from the hit to the first intersection. Of `u` and
+//! `v` it is that way, taken apart along `dpdu` and `dpdv`.
+//!
+//! Space: positions and directions of a [`Point`] are in the renderer's space, which shaders call `common`.
 //! Invariant: values are the interpreter's, bit for bit, on all processors, but for NaNs. Tests: `tests/stranger.rs`.
 #![forbid(unsafe_code)]
 
+mod builder;
+pub mod closures;
 mod engine;
 mod error;
+mod faults;
 mod group;
 mod live;
 mod needs;
@@ -56,6 +70,7 @@ mod shader;
 mod system;
 mod world;
 
+pub use builder::GroupBuilder;
 pub use error::Error;
 pub use gnurt_sl::exec::{
     Arriving, ClosureDecl, ClosureParam, Event, Given, Host, Point, Subimage, TextureOptions, TraceOptions,
@@ -66,7 +81,7 @@ pub use gnurt_sl::hir::Data;
 pub use gnurt_sl::types::{Base, Type};
 pub use gnurt_sl_lib::Dual;
 pub use gnurt_sl_lib::color::ColorSystem;
-pub use group::{GroupBuilder, ShaderGroup, Statistics};
+pub use group::{ShaderGroup, Statistics};
 pub use needs::Needs;
 pub use shaded::{Argument, Lobe, Output, Shaded};
 pub use shader::{Parameter, Shader};

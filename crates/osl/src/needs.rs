@@ -3,17 +3,25 @@
 
 use std::collections::BTreeSet;
 
+use gnurt_sl::exec::Plan;
 use gnurt_sl::group::{Group, Layer};
 use gnurt_sl::hir::Data;
-use gnurt_sl::ir::{Op, SymId, SymbolKind, ops, uses};
+use gnurt_sl::ir::{Op, SymId, Symbol, SymbolKind, ops, uses};
 use gnurt_sl::opcode::Opcode;
 use gnurt_sl::types::Base;
 
 /// Names that a renderer can prepare for. Sorted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
-    /// Globals that are read or written: `P`, `N`, `u`, `Ci` and others.
+    /// Globals that are read or written, by their names in shaders: `P`, `N`, `u`, `Ci` and others.
     pub globals: BTreeSet<String>,
+    /// Fields of [`Point`](crate::Point) that are read, by their names in Rust: `p` for the global `P`, `dpdu` for `dPdu`,
+    /// `backfacing` for `backfacing ()`, `ray_kinds` for `raytype ()`, and so on. Others may stay as they are, unless a
+    /// [`Host`](crate::Host) of yours reads them.
+    pub fields: BTreeSet<&'static str>,
+    /// Those of `fields` whose derivatives count, by `Dx`, `filterwidth`, or filters of textures and noise: some of `p`, `i`, `u`
+    /// and `v`.
+    pub derivatives: BTreeSet<&'static str>,
     /// Parameters that the geometry may give: names of [`Host::userdata`](crate::Host::userdata).
     pub userdata: BTreeSet<String>,
     /// Objects (empty for the shaded one) and names of `getattribute`.
@@ -35,8 +43,13 @@ pub struct Needs {
 }
 
 impl Needs {
-    pub(crate) fn of(group: &Group, live: &[&str]) -> Self {
+    pub(crate) fn of(group: &Group, plan: &Plan, live: &[&str]) -> Self {
         let mut needs = Self::default();
+        for symbol in plan.layers.iter().flat_map(|layer| &layer.shader.symbols) {
+            if let Some(field) = field_of(symbol).filter(|field| symbol.derivs && DUAL.contains(field)) {
+                needs.derivatives.insert(field);
+            }
+        }
         for (number, layer) in group.layers.iter().enumerate() {
             let shader = &layer.shader;
             let is_connected = |id: SymId| {
@@ -55,6 +68,7 @@ impl Needs {
                     let symbol = shader.symbol(id);
                     if symbol.kind == SymbolKind::Global {
                         needs.globals.insert(symbol.name.to_string());
+                        needs.fields.extend(field_of(symbol));
                     }
                 });
             }
@@ -112,7 +126,12 @@ impl Needs {
             Opcode::RayType => {
                 let kind = first(self, &mut name);
                 put(&mut self.ray_kinds, kind);
+                self.fields.insert("ray_kinds");
             }
+            Opcode::Backfacing => drop(self.fields.insert("backfacing")),
+            Opcode::SurfaceArea => drop(self.fields.insert("surface_area")),
+            Opcode::CalculateNormal => drop(self.fields.insert("flipped")),
+            Opcode::Random => drop(self.fields.insert("index")),
             Opcode::Closure => {
                 let closure = first(self, &mut name);
                 put(&mut self.closures, closure);
@@ -121,6 +140,33 @@ impl Needs {
             _ => {}
         }
     }
+}
+
+/// Globals of points, and the fields of [`Point`](crate::Point) that they are.
+const FIELDS: [(&str, &str); 14] = [
+    ("P", "p"),
+    ("I", "i"),
+    ("N", "n"),
+    ("Ng", "ng"),
+    ("u", "u"),
+    ("v", "v"),
+    ("dPdu", "dpdu"),
+    ("dPdv", "dpdv"),
+    ("Ps", "ps"),
+    ("time", "time"),
+    ("dtime", "dtime"),
+    ("dPdtime", "dpdtime"),
+    ("xi", "xi"),
+    ("raster", "raster"),
+];
+
+/// Fields that have derivatives.
+const DUAL: [&str; 5] = ["p", "i", "u", "v", "ps"];
+
+/// The field that a global is, if it is one.
+fn field_of(symbol: &Symbol) -> Option<&'static str> {
+    let found = FIELDS.iter().find(|(global, _)| *global == &*symbol.name);
+    found.filter(|_| symbol.kind == SymbolKind::Global).map(|(_, field)| *field)
 }
 
 /// The text of a symbol, where it is the same for all points.

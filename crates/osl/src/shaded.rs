@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use gnurt_sl::exec::{ClosureDecl, Event, Part, Plan, Results, RetainedOutput};
+use gnurt_sl::exec::{ClosureDecl, ClosureParam, Event, Part, Plan, Results, RetainedOutput};
 use gnurt_sl::types::{Base, Type};
 
 /// A closure of a point, with the weight that all products and sums around it make.
@@ -13,10 +13,10 @@ pub struct Lobe {
     pub weight: [f32; 3],
     /// Its name, such as `diffuse` or `dielectric_bsdf`.
     pub name: Arc<str>,
-    /// Its parameters, in the order of its declaration; keyword arguments that are not given are 0.
+    /// The values of its parameters, all of them, in the order of [`parameters`](Self::parameters). Those that the shader
+    /// does not give are 0, empty texts or no closures.
     pub arguments: Vec<Argument>,
-    /// Names of keyword arguments, which follow the others.
-    keys: Vec<Option<Arc<str>>>,
+    parameters: Arc<[ClosureParam]>,
 }
 
 /// The value of a closure's parameter.
@@ -37,6 +37,20 @@ pub enum Argument {
 }
 
 impl Lobe {
+    /// Its parameters: names and types. The [table](crate::closures) has their meanings.
+    #[must_use]
+    pub fn parameters(&self) -> &[ClosureParam] {
+        &self.parameters
+    }
+
+    /// The argument of a parameter by its name, such as `eta`; keywords such as `thinfilm_ior`, too. `None` if the closure's
+    /// declaration has no such parameter. A keyword that the shader does not give is 0.
+    #[must_use]
+    pub fn named(&self, name: &str) -> Option<&Argument> {
+        let at = self.parameters.iter().position(|known| *known.name == *name)?;
+        self.arguments.get(at)
+    }
+
     /// Argument `i` as a number; 0 where it is none.
     #[must_use]
     pub fn float(&self, i: usize) -> f32 {
@@ -73,13 +87,6 @@ impl Lobe {
             _ => &[],
         }
     }
-
-    /// The argument of a keyword, such as `thinfilm_ior`.
-    #[must_use]
-    pub fn keyword(&self, key: &str) -> Option<&Argument> {
-        let at = self.keys.iter().position(|known| known.as_deref() == Some(key))?;
-        self.arguments.get(at)
-    }
 }
 
 /// An output of all points.
@@ -98,7 +105,7 @@ pub struct Output {
 pub struct Shaded {
     lobes: Vec<Vec<Lobe>>,
     outputs: Vec<Output>,
-    /// By `printf`, `warning` and `error`, with the index of the point.
+    /// Texts of `printf`, `warning` and `error`, and mistakes found at run time, each with the point's position in the slice that ran.
     pub events: Vec<(usize, Event)>,
 }
 
@@ -119,16 +126,26 @@ impl Shaded {
         }
     }
 
-    /// The closures of a point, in the order of the text.
+    /// The closures of a point, by its position in the slice that ran, in the order of the text. Closures of weight 0 are left out.
+    /// Equal ones are not merged. Weights may be negative, as the shader made them.
     ///
     /// # Panics
     /// If there is no such point.
     #[must_use]
     pub fn lobes(&self, point: usize) -> &[Lobe] {
-        &self.lobes[point]
+        let points = self.lobes.len();
+        self.lobes
+            .get(point)
+            .unwrap_or_else(|| panic!("there is no point {point}: the group ran for {points} points"))
     }
 
-    /// An output that the group keeps, by the name that [`GroupBuilder::output`](crate::GroupBuilder::output) was given.
+    /// The outputs that the group keeps, in the order in which they were requested.
+    #[must_use]
+    pub fn outputs(&self) -> &[Output] {
+        &self.outputs
+    }
+
+    /// An output that the group keeps, by the very name that [`GroupBuilder::output`](crate::GroupBuilder::output) was given.
     #[must_use]
     pub fn output(&self, name: &str) -> Option<&Output> {
         self.outputs.iter().find(|output| output.name == name)
@@ -179,8 +196,7 @@ impl Flatten<'_> {
             self.argument(param.ty, &bits, lane, depth)
         });
         let arguments = arguments.collect();
-        let keys = decl.params.iter().map(|param| param.key.clone()).collect();
-        Some(Lobe { weight, name: decl.name.clone(), arguments, keys })
+        Some(Lobe { weight, name: decl.name.clone(), arguments, parameters: decl.params.clone() })
     }
 
     fn argument(&self, ty: Type, bits: &[u32], lane: usize, depth: usize) -> Argument {

@@ -10,7 +10,7 @@ use gnurt_sl::types::Type;
 #[derive(Clone, Debug)]
 pub struct Shader {
     pub(crate) shader: Arc<Intermediate>,
-    /// Warnings of the compiler, each with its place.
+    /// Warnings of the compiler, each with its place, and folders of `include` that do not exist.
     pub warnings: Arc<[String]>,
 }
 
@@ -32,7 +32,8 @@ impl Shader {
         &self.shader.name
     }
 
-    /// Its kind: `surface`, `displacement`, `volume` or `shader`.
+    /// Its kind: `surface`, `displacement`, `volume` or `shader`; or one of GNU RT's own, `light`, `camera`, `environment` and
+    /// `pixel`.
     #[must_use]
     pub fn kind(&self) -> &str {
         &self.shader.kind

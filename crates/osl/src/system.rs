@@ -4,13 +4,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnurt_sl::diagnostics::{Severity, Style};
+use gnurt_sl::diagnostics::{Diagnostic, Severity, Style};
 use gnurt_sl::exec::unknown_operation;
 use gnurt_sl::{Options, compile, ir};
 
+use crate::builder::GroupBuilder;
 use crate::engine::Engines;
 use crate::error::Error;
-use crate::group::GroupBuilder;
 use crate::shader::Shader;
 
 /// Where shaders come from. One for a renderer; all threads may use it.
@@ -27,7 +27,7 @@ impl ShadingSystem {
         Self::default()
     }
 
-    /// Adds a folder that `#include` searches.
+    /// Adds a folder that `#include` searches. Messages of shaders name a folder that does not exist.
     #[must_use]
     pub fn include(mut self, folder: impl AsRef<Path>) -> Self {
         self.options.includes.push(folder.as_ref().to_string_lossy().into_owned());
@@ -51,19 +51,27 @@ impl ShadingSystem {
     /// Compiles a text; `name` is the file's name in messages.
     ///
     /// # Errors
-    /// [`Error::Compile`], with all messages.
+    /// [`Error::Compile`]. Types are checked once the syntax and all names are right, as in OSL's compiler: mending the first
+    /// errors may bring others.
     pub fn compile(&self, name: &str, text: &str) -> Result<Shader, Error> {
         let read = |path: &Path| std::fs::read_to_string(path).ok();
         let made = compile(name, text, &self.options, &read);
         let of = |severity: Severity| -> Vec<String> {
             let all = made.diagnostics.list.iter().filter(|found| found.severity == severity);
+            // OSL's compiler reports the assignment of a wrong expression once more.
+            let is_echo = |found: &&Diagnostic| found.message.ends_with(" = unknown");
+            let has_cause = all.clone().any(|found| !is_echo(&found));
+            let all = all.filter(|found| !(has_cause && is_echo(found)));
             all.map(|found| found.render(&made.sources, Style::Drawn)).collect()
         };
+        let absent = self.options.includes.iter().filter(|folder| !Path::new(folder).is_dir());
+        let absent = absent.map(|folder| format!("{folder}: missing folder of include\n"));
         match made.shader {
             Some(ref shader) => {
-                Ok(Shader { shader: Arc::new(shader.clone()), warnings: of(Severity::Warning).into() })
+                let warnings = of(Severity::Warning).into_iter().chain(absent).collect();
+                Ok(Shader { shader: Arc::new(shader.clone()), warnings })
             }
-            None => Err(Error::Compile(of(Severity::Error))),
+            None => Err(Error::Compile(of(Severity::Error).into_iter().chain(absent).collect())),
         }
     }
 

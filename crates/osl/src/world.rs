@@ -142,6 +142,10 @@ impl Host for World<'_> {
         self.host.texture_fault(requested, why, at)
     }
 
+    fn with_place(&self, message: String, place: &str) -> String {
+        self.host.with_place(message, place)
+    }
+
     fn dictionary(&self, file: &str) -> Option<String> {
         self.host.dictionary(file)
     }

@@ -38,14 +38,23 @@ fn mistakes_name_file_line_and_remedy() {
     let group = || system.group("g");
     for (made, expected) in [
         (group().build(), "it has no layers"),
-        (group().param("c", 1.0).shader(&shader, "s").build(), "nonexistent parameter: c"),
-        (group().param("a", "one").shader(&shader, "s").build(), "incompatible type: a"),
-        (group().shader(&shader, "s").output("d").build(), "there is no output 'd'"),
+        (
+            group().param("c", 1.0).shader(&shader, "s").build(),
+            "layer 's' (shader 's'): unknown parameter 'c'; did you mean 'a'? parameters: a, b",
+        ),
+        (
+            group().param("a", "one").shader(&shader, "s").build(),
+            "parameter 'a' is of type float; the value is a text",
+        ),
+        (
+            group().shader(&shader, "s").output("d").build(),
+            "there is no output 'd' of floats or ints; outputs: s.b",
+        ),
         (group().shader(&shader, "s").shader(&shader, "s").build(), "two layers are named 's'"),
         (group().shader(&shader, "s").param("a", 1.0).build(), "parameter 'a' has no shader after it"),
         (
             group().shader(&shader, "s").shader(&shader, "t").connect("t", "b", "s", "a").build(),
-            "must follow",
+            "layer 's' must follow layer 't'",
         ),
         (
             group()
@@ -91,6 +100,9 @@ fn needs_are_those_of_the_code() {
     let needs = group.needs();
     let list = |set: &std::collections::BTreeSet<String>| set.iter().cloned().collect::<Vec<_>>().join(" ");
     assert_eq!(list(&needs.globals), "Ci N P u v");
+    let names = |set: &std::collections::BTreeSet<&str>| set.iter().copied().collect::<Vec<_>>().join(" ");
+    assert_eq!(names(&needs.fields), "n p ray_kinds u v");
+    assert_eq!(names(&needs.derivatives), "p u v", "of the filter of the texture, and of the ray");
     assert_eq!(list(&needs.textures), "wood.exr");
     assert_eq!(list(&needs.userdata), "worn", "live parameters are not asked of the geometry");
     assert_eq!(list(&needs.closures), "diffuse emission");
@@ -153,7 +165,7 @@ fn hosts_answer_and_engines_agree() {
         let [first, second] = machine.lobes(k) else { panic!("two closures") };
         assert_eq!((&*first.name, first.text(0), first.weight), ("microfacet", "ggx", [k as f32 + 1.0; 3]));
         let ([top], [base]) = (second.lobes(0), second.lobes(1)) else { panic!("a layer holds two") };
-        assert_eq!(top.keyword("thinfilm_ior"), Some(&Argument::Float(1.3)));
+        assert_eq!(top.named("thinfilm_ior"), Some(&Argument::Float(1.3)));
         assert_eq!((&*base.name, base.weight), ("diffuse", [seen[0], seen[1], seen[2]]));
     }
 }
@@ -184,7 +196,7 @@ fn live_parameters_change_without_compiling() {
     group.set("s", "count", 1).expect("a number");
     assert_eq!(seen(), [2.0, 0.0, 1.0]);
     let wrong = group.set("s", "tint", "red").expect_err("a text").to_string();
-    assert!(wrong.contains("parameter 'tint' is of type color, not string"), "{wrong}");
+    assert!(wrong.contains("parameter 'tint' is of type color; the value is a text"), "{wrong}");
     assert!(group.set("s", "u", 1.0).expect_err("absent").to_string().contains("no live parameter 'u'"));
 }
 

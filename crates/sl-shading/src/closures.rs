@@ -100,10 +100,10 @@ static SHAPES: LazyLock<Vec<Shape>> = LazyLock::new(|| {
         let known =
             KNOWN.iter().find(|(_, name)| *name == &*decl.name).expect("the tables have the same names").0;
         let mut firsts = vec![0];
-        for param in &decl.params {
+        for param in decl.params.iter() {
             firsts.push(firsts.last().copied().unwrap_or(0) + param.ty.size());
         }
-        Shape { known, firsts, plain: decl.params.iter().filter(|param| param.key.is_none()).count() }
+        Shape { known, firsts, plain: decl.params.iter().filter(|param| !param.is_keyword).count() }
     };
     standard_closures().iter().map(shape).collect()
 });

@@ -358,8 +358,9 @@ struct Coats(Empty, Vec<ClosureDecl>);
 
 impl Default for Coats {
     fn default() -> Self {
-        let param = |ty: Type| ClosureParam { ty, key: None };
-        let decl = |name: &str, params: Vec<ClosureParam>| ClosureDecl { name: name.into(), params };
+        let param = |ty: Type| ClosureParam::new("", ty);
+        let decl =
+            |name: &str, params: Vec<ClosureParam>| ClosureDecl { name: name.into(), params: params.into() };
         let layer = decl("layer", vec![param(Type::CLOSURE), param(Type::CLOSURE)]);
         Self(Empty::default(), vec![decl("diffuse", vec![param(Type::NORMAL)]), layer])
     }

@@ -3,6 +3,7 @@
 //!
 //! One program for all files: each of its own takes a second to link.
 
+mod closures;
 mod common;
 mod diagnostics;
 mod format;

@@ -181,16 +181,16 @@ fn resolve<'h, 'c>(
     };
     let name = text(name)?;
     let (kind_of, decl) = host.closures().iter().enumerate().find(|(_, decl)| *decl.name == *name)?;
-    let plain = decl.params.iter().take_while(|param| param.key.is_none()).count();
+    let plain = decl.params.iter().take_while(|param| !param.is_keyword).count();
     let pairs = rest.get(plain..).filter(|_| plain < decl.params.len()).unwrap_or(&[]);
     let mut keys = Vec::new();
     for pair in pairs.chunks_exact(2) {
         keys.push((text(&pair[0])?, &pair[1]));
     }
     for (i, param) in decl.params.iter().enumerate() {
-        let slot = match &param.key {
-            None => rest.get(i),
-            Some(key) => keys.iter().rfind(|(name, _)| *name == &**key).map(|(_, slot)| *slot),
+        let slot = match param.is_keyword {
+            false => rest.get(i),
+            true => keys.iter().rfind(|(name, _)| *name == &*param.name).map(|(_, slot)| *slot),
         };
         for k in 0..param.ty.size() {
             // One number is not meant for all of an array's.
@@ -323,7 +323,7 @@ impl Machine<'_> {
                 Some(Kind::Int | Kind::Closure) => Data::Int(cells_bits.iter().map(|&w| w as i32).collect()),
                 _ => Data::Float(cells_bits.iter().map(|&w| f32::from_bits(w)).collect()),
             };
-            (param.key.clone(), param.ty, data)
+            (param.is_keyword.then(|| param.name.clone()), param.ty, data)
         });
         Some(Component { name: decl.name.clone(), params: params.collect() })
     }

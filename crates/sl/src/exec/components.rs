@@ -7,24 +7,56 @@
 use super::cells::{Cells, LANES, mapped};
 use crate::hir::Data;
 use crate::types::Type;
+use std::fmt;
 use std::sync::Arc;
 
 /// One parameter of a closure.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClosureParam {
+    /// Its name.
+    pub name: Arc<str>,
     /// Its type.
     pub ty: Type,
-    /// Its name, if it is given by name after the others.
-    pub key: Option<Arc<str>>,
+    /// Whether shaders give it by its name, after the others: `"thinfilm_ior", 1.3`.
+    pub is_keyword: bool,
+}
+
+impl ClosureParam {
+    /// A parameter that shaders give by its position.
+    #[must_use]
+    pub fn new(name: &str, ty: Type) -> Self {
+        Self { name: name.into(), ty, is_keyword: false }
+    }
+
+    /// A parameter that shaders may give by its name, after all others.
+    #[must_use]
+    pub fn keyword(name: &str, ty: Type) -> Self {
+        Self { name: name.into(), ty, is_keyword: true }
+    }
 }
 
 /// The declaration of a closure.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ClosureDecl {
     /// Its name.
     pub name: Arc<str>,
-    /// Its parameters.
-    pub params: Vec<ClosureParam>,
+    /// Its parameters: keywords come last.
+    pub params: Arc<[ClosureParam]>,
+}
+
+impl fmt::Display for ClosureDecl {
+    /// As a shader declares it: `diffuse (normal N)`. Keywords are in quotes: `"thinfilm_ior" float`.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} (", self.name)?;
+        for (number, param) in self.params.iter().enumerate() {
+            out.write_str(if number > 0 { ", " } else { "" })?;
+            match param.is_keyword {
+                true => write!(out, "\"{}\" {}", param.name, param.ty)?,
+                false => write!(out, "{} {}", param.ty, param.name)?,
+            }
+        }
+        out.write_str(")")
+    }
 }
 
 /// A component of one point by itself.

@@ -10,42 +10,52 @@ use gnurt_sl_lib::color::ColorSystem;
 use gnurt_sl_lib::points::{Column, PointCloud};
 use std::sync::{Arc, LazyLock};
 
-/// The point that is shaded. Space: common.
+/// The point that is shaded. Space: common. The default is 0 or false in all fields, derivatives included.
+///
+/// Shaders get all fields as they are: nothing is normalised, turned or checked.
+///
+/// Derivatives (`dx`, `dy` of a [`Dual`]) are differences between this point and the hits of the rays through the next pixel in
+/// x and in y. A renderer without ray differentials may leave them 0: then `Dx`, `Dy` and `filterwidth` are 0,
+/// textures are looked up unfiltered, and patterns alias.
 #[derive(Clone, Debug, Default)]
 pub struct Point {
-    /// Position.
+    /// Position: the global `P`.
     pub p: Dual<[f32; 3]>,
-    /// Direction of the incoming ray.
+    /// Direction of the ray that arrives, of length 1, towards the surface: the global `I`.
     pub i: Dual<[f32; 3]>,
-    /// Shading normal.
+    /// Shading normal, of length 1: the global `N`. By OSL's convention it faces the viewer, `dot (N, I) <= 0`, also
+    /// where the ray hits the back.
     pub n: [f32; 3],
-    /// Geometric normal.
+    /// Geometric normal, of length 1, which faces the viewer, too: the global `Ng`.
     pub ng: [f32; 3],
     /// First surface parameter.
     pub u: Dual<f32>,
     /// Second surface parameter.
     pub v: Dual<f32>,
-    /// Derivative of the position by `u`.
+    /// Derivative of the position by `u`: a tangent. Shaders hand it on to closures of brushed surfaces and of hair, which have no
+    /// direction if it is 0.
     pub dpdu: [f32; 3],
     /// Derivative of the position by `v`.
     pub dpdv: [f32; 3],
     /// The lit position, in light shaders.
     pub ps: Dual<[f32; 3]>,
-    /// Time.
+    /// Time of the ray, in any unit.
     pub time: f32,
-    /// How long the shutter is open.
+    /// How long the shutter is open, in the same unit.
     pub dtime: f32,
-    /// Motion of the point.
+    /// Motion of the point, per unit of time.
     pub dpdtime: [f32; 3],
-    /// Area of the surface.
+    /// Area of the whole object's surface, for `surfacearea ()`. Shaders of lamps divide by it.
     pub surface_area: f32,
-    /// Whether the ray hits the back.
+    /// Whether the ray hits the back, for `backfacing ()`: the surface's own normal faces away from the viewer, and `n` and `ng`
+    /// have been turned.
     pub backfacing: bool,
-    /// Whether the surface is mirrored.
+    /// Whether the object's space is mirrored; `calculatenormal (p)` then points to the other side. Nothing else reads it.
     pub flipped: bool,
-    /// Bits of the kinds of the ray, see [`Host::ray_kind`].
+    /// Bits of the kinds of the ray, for `raytype`: those of [`Host::ray_kind`].
     pub ray_kinds: u32,
-    /// Number of the point.
+    /// Any number of yours. Methods of [`Host`] find it in their `point`: put the number of the object or primitive here. Many
+    /// points may have the same. Shaders do not see it, except that `random ()` depends on it.
     pub index: i32,
     /// Two random numbers in [0, 1), in lights and cameras.
     pub xi: [f32; 2],
@@ -177,31 +187,48 @@ pub fn longitude_latitude([x, y, z]: [Dual<f32>; 3]) -> [Dual<f32>; 2] {
 }
 
 /// The answers to a shader's queries. The defaults are those of an empty world.
+///
+/// Queries come from the thread that runs the shader; `point` is the one that was given to it.
+///
+/// Matrices are arrays of rows. Points are rows, too, and are multiplied from the left, `p M`: `m[3]` is the translation.
 pub trait Host {
-    /// The matrix from a named space to common space.
+    /// The matrix from a named space to common space; `None`, the default, if there is no such space. `common` itself is not
+    /// asked for. OSL's usual names are `object`, `shader`, `world`, `camera`, `screen`, `raster` and `NDC`.
+    ///
+    /// An object at (1, 2, 3), twice as large as in its own space, has for `object`
+    /// `[[2., 0., 0., 0.], [0., 2., 0., 0.], [0., 0., 2., 0.], [1., 2., 3., 1.]]`.
+    ///
+    /// An unknown space is reported as an error, and is taken for the common one.
     fn common_from(&self, space: &str, point: &Point) -> Option<[[f32; 4]; 4]> {
         let _ = (space, point);
         None
     }
 
-    /// The matrix from common space to a named one, where it is known without inverting the other.
+    /// The matrix from common space to a named one. The default inverts the other.
     fn to_common_inverse(&self, space: &str, point: &Point) -> Option<[[f32; 4]; 4]> {
         self.common_from(space, point).map(|m| gnurt_sl_lib::matrix::inverse(&m))
     }
 
-    /// Whether a named space is the same for some points of a batch: those of `numbers` in `lanes`, as bits.
+    /// Whether a named space has one matrix for some points of a batch, those whose bits are set in `lanes`: point `k` has bit
+    /// `1 << k`, and its [`Point::index`] is `index[k]`.
+    ///
+    /// It is only for speed. If false, the default, the matrix is requested for each point; if true, for the first of them, and
+    /// used for all. A wrong true places the other points wrongly, without a message.
     fn is_same_space(&self, space: &str, lanes: u32, index: &[i32; LANES]) -> bool {
         let _ = (space, lanes, index);
         false
     }
 
-    /// A value that the geometry carries.
+    /// A value that the geometry carries for an interpolated parameter (`[[ int interpolated = 1 ]]`); `None`, the default, leaves
+    /// the parameter as it is. The value has the numbers or texts of `ty`.
     fn userdata(&self, name: &str, ty: Type, point: &Point) -> Option<Given> {
         let _ = (name, ty, point);
         None
     }
 
-    /// A query of `getattribute`. `object` is empty for the shaded object.
+    /// A query of `getattribute`. `object` is empty for the shaded object, which [`Point::index`] identifies. With `index` an
+    /// element of an array is meant. `ty` is the type of the shader's variable, and the value has its numbers or
+    /// texts. By default there is none.
     fn attribute(
         &self,
         object: &str,
@@ -349,6 +376,11 @@ pub trait Host {
         format!("{why} ({uv_of})")
     }
 
+    /// The message about a mistake, and the place in the text where it is.
+    fn with_place(&self, message: String, place: &str) -> String {
+        format!("{message} {place}")
+    }
+
     /// The text of a dictionary's file.
     fn dictionary(&self, file: &str) -> Option<String> {
         let _ = file;
@@ -361,12 +393,14 @@ pub trait Host {
         (false, None)
     }
 
-    /// The closures that the program supports, always in the same order.
+    /// The closures that the program supports, always in the same order. By default none, which
+    /// [`standard_closures`](super::standard_closures) may fill.
     fn closures(&self) -> &[ClosureDecl] {
         &[]
     }
 
-    /// The bit of a kind of ray; 0 if it is not known.
+    /// The bit of a kind of ray, such as `camera`, `shadow`, `diffuse`, `glossy`, `reflection` or `refraction`; 0, the default, if it
+    /// is not known. `raytype` is true if [`Point::ray_kinds`] has the bit.
     fn ray_kind(&self, name: &str) -> u32 {
         let _ = name;
         0

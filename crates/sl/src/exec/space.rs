@@ -24,13 +24,13 @@ impl Spaces for Of<'_, '_> {
 }
 
 impl Machine<'_> {
-    fn transform_between(&mut self, from: &str, to: &str) -> Option<Matrix> {
+    fn transform_between(&mut self, s: &Step, from: &str, to: &str) -> Option<Matrix> {
         if let Ok(m) = mx::transform_between(&Of(self), from, to) {
             return Some(m);
         }
         for space in [from, to] {
             if mx::transform_between(&Of(self), space, "common").is_err() {
-                self.error(format!("Unknown transformation \"{space}\""));
+                self.located_error(s, format!("Unknown transformation \"{space}\""));
             }
         }
         None
@@ -58,7 +58,7 @@ pub(super) fn triple(m: &mut Machine<'_>, s: &Step) {
     };
     let value = [0, 1, 2].map(|i: usize| m.dual(&numbers[i.min(numbers.len() - 1)], 0));
     let space = m.text(space);
-    let matrix = m.transform_between(&space, "common").unwrap_or(IDENTITY);
+    let matrix = m.transform_between(s, &space, "common").unwrap_or(IDENTITY);
     let value = match out.ty {
         Type::POINT => mx::transform_point(&matrix, value),
         Type::NORMAL => mx::transform_normal(&matrix, value),
@@ -87,8 +87,7 @@ fn convert(m: &mut Machine<'_>, s: &Step, from: &str, to: &str, value: [Dual<f32
     let value = match m.host.color_system().transform(from, to, value) {
         Ok(value) => value,
         Err(unknown) => {
-            let message = unknown.to_string();
-            m.error(message);
+            m.located_error(s, unknown.to_string());
             value
         }
     };
@@ -100,7 +99,7 @@ pub(super) fn matrix(m: &mut Machine<'_>, s: &Step) {
     let value = match rest {
         [from, to] if to.ty == Type::STRING => {
             let (from, to) = (m.text(from), m.text(to));
-            m.transform_between(&from, &to).unwrap_or(IDENTITY)
+            m.transform_between(s, &from, &to).unwrap_or(IDENTITY)
         }
         [space, numbers @ ..] if !numbers.is_empty() => {
             let given: Matrix = if numbers.len() >= 16 {
@@ -109,7 +108,7 @@ pub(super) fn matrix(m: &mut Machine<'_>, s: &Step) {
                 m.matrix(&numbers[0])
             };
             let space = m.text(space);
-            mx::multiply(&m.transform_between(&space, "common").unwrap_or(IDENTITY), &given)
+            mx::multiply(&m.transform_between(s, &space, "common").unwrap_or(IDENTITY), &given)
         }
         _ => return,
     };
@@ -119,7 +118,7 @@ pub(super) fn matrix(m: &mut Machine<'_>, s: &Step) {
 pub(super) fn get_matrix(m: &mut Machine<'_>, s: &Step) {
     let [ok, from, to, out] = &*s.args else { return };
     let (from, to) = (m.text(from), m.text(to));
-    let found = m.transform_between(&from, &to);
+    let found = m.transform_between(s, &from, &to);
     m.set_matrix(out, &found.unwrap_or(IDENTITY));
     m.set_int(ok, i32::from(found.is_some()));
 }
@@ -131,11 +130,11 @@ pub(super) fn transform(m: &mut Machine<'_>, s: &Step) {
         [matrix, _] if matrix.ty == Type::MATRIX => m.matrix(matrix),
         [to, _] => {
             let to = m.text(to);
-            m.transform_between("common", &to).unwrap_or(IDENTITY)
+            m.transform_between(s, "common", &to).unwrap_or(IDENTITY)
         }
         [from, to, ..] => {
             let (from, to) = (m.text(from), m.text(to));
-            m.transform_between(&from, &to).unwrap_or(IDENTITY)
+            m.transform_between(s, &from, &to).unwrap_or(IDENTITY)
         }
         _ => return,
     };

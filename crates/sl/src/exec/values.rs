@@ -3,7 +3,7 @@
 
 use super::host::Given;
 use super::known::data;
-use super::machine::{D, Event, Machine};
+use super::machine::{D, Event, Machine, Step};
 use super::slot::Slot;
 use crate::hir::Data;
 use crate::ir::SourcePosition;
@@ -175,6 +175,15 @@ impl Machine<'_> {
     pub(super) fn source_position(&self, at: SourcePosition) -> String {
         let shader = &self.plan.layers[self.layer].shader;
         format!("{}:{}", shader.files.get(usize::from(at.file)).map_or("", |f| f), at.line)
+    }
+
+    /// Reports a mistake whose message the host completes by its place.
+    pub(super) fn located_error(&mut self, s: &Step, message: String) {
+        let (layer, shader) = self.layer_names();
+        let position = self.source_position(s.at);
+        let place = format!("at {position} in layer \"{layer}\" (shader \"{shader}\")");
+        let message = self.host.with_place(message, &place);
+        self.error(message);
     }
 
     pub(super) fn error(&mut self, message: String) {

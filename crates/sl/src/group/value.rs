@@ -67,9 +67,22 @@ impl From<i32> for Value {
     }
 }
 
+impl From<f64> for Value {
+    /// A float: the nearest one.
+    fn from(value: f64) -> Self {
+        (value as f32).into()
+    }
+}
+
 impl From<&str> for Value {
     fn from(value: &str) -> Self {
         Self { ty: Type::STRING, data: Data::Str(vec![value.into()]) }
+    }
+}
+
+impl From<String> for Value {
+    fn from(value: String) -> Self {
+        value.as_str().into()
     }
 }
 
@@ -87,10 +100,39 @@ impl From<[f32; 16]> for Value {
     }
 }
 
+impl From<[[f32; 4]; 4]> for Value {
+    /// A matrix by its rows; points are rows.
+    fn from(value: [[f32; 4]; 4]) -> Self {
+        Self { ty: Type::MATRIX, data: Data::Float(value.concat()) }
+    }
+}
+
 impl From<&[f32]> for Value {
-    /// An array of floats.
+    /// An array of floats; or of triples, by three floats for each.
     fn from(value: &[f32]) -> Self {
         Self { ty: Type::FLOAT.array_of(value.len() as i32), data: Data::Float(value.to_vec()) }
+    }
+}
+
+impl From<&[[f32; 3]]> for Value {
+    /// An array of colours, points, vectors or normals.
+    fn from(value: &[[f32; 3]]) -> Self {
+        Self { ty: Type::COLOR.array_of(value.len() as i32), data: Data::Float(value.concat()) }
+    }
+}
+
+impl From<&[i32]> for Value {
+    /// An array of ints.
+    fn from(value: &[i32]) -> Self {
+        Self { ty: Type::INT.array_of(value.len() as i32), data: Data::Int(value.to_vec()) }
+    }
+}
+
+impl From<&[&str]> for Value {
+    /// An array of texts.
+    fn from(value: &[&str]) -> Self {
+        let texts = value.iter().map(|text| (*text).into()).collect();
+        Self { ty: Type::STRING.array_of(value.len() as i32), data: Data::Str(texts) }
     }
 }
 

@@ -61,7 +61,7 @@ impl Lowerer<'_> {
             self.values.insert(formal, value);
         }
         let result = (ty != Type::VOID).then(|| self.temp(ty));
-        self.inlines.push(Inline { func, result: result.clone() });
+        self.inlines.push(Inline { func, result: result.clone(), from: loc });
         let body = function.body.as_deref().unwrap_or_default();
         let body = self.block(|l| {
             l.statements(body, true);

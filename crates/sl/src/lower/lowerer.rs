@@ -36,6 +36,8 @@ impl Value {
 pub(super) struct Inline {
     pub(super) func: FuncId,
     pub(super) result: Option<Value>,
+    /// Where it is called.
+    pub(super) from: Loc,
 }
 
 pub(super) struct Lowerer<'a> {
@@ -111,7 +113,15 @@ impl<'a> Lowerer<'a> {
         Some(made)
     }
 
+    /// The position of an operation. In the library it is that of the call of the library.
     pub(super) fn at(&mut self, loc: Loc) -> At {
+        let mut loc = loc;
+        for inline in self.inlines.iter().rev() {
+            if !self.sources.get(loc.file).is_some_and(|file| file.system) {
+                break;
+            }
+            loc = inline.from;
+        }
         if loc.file == u16::MAX {
             return At::default();
         }

@@ -18,9 +18,9 @@ struct Lit(Empty, [ClosureDecl; 2]);
 
 impl Default for Lit {
     fn default() -> Self {
-        let normal = ClosureParam { ty: Type::NORMAL, key: None };
-        let diffuse = ClosureDecl { name: "diffuse".into(), params: vec![normal] };
-        Self(Empty::default(), [diffuse, ClosureDecl { name: "emission".into(), params: Vec::new() }])
+        let normal = ClosureParam::new("N", Type::NORMAL);
+        let diffuse = ClosureDecl { name: "diffuse".into(), params: [normal].into() };
+        Self(Empty::default(), [diffuse, ClosureDecl { name: "emission".into(), params: [].into() }])
     }
 }
 

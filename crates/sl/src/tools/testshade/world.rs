@@ -280,6 +280,11 @@ impl Host for World<'_> {
         format!("[RendererServices::{requested}] {why}")
     }
 
+    /// OSL's messages have no places.
+    fn with_place(&self, message: String, _: &str) -> String {
+        message
+    }
+
     fn point_cloud(&self, file: &str) -> Result<Arc<PointCloud>, String> {
         self.clouds.find(file)
     }
@@ -332,7 +337,7 @@ fn closures() -> Vec<ClosureDecl> {
     ];
     let param = |text: &str| {
         let (code, key) = match text.split_once(':') {
-            Some((code, key)) => (code, Some(key.into())),
+            Some((code, key)) => (code, Some(key)),
             None => (text, None),
         };
         let base = match code.as_bytes().first() {
@@ -342,7 +347,8 @@ fn closures() -> Vec<ClosureDecl> {
             Some(b'C') => Base::Color,
             _ => Base::String,
         };
-        ClosureParam { ty: Type::of(base).array_of(if code.len() > 1 { 5 } else { 0 }), key }
+        let ty = Type::of(base).array_of(if code.len() > 1 { 5 } else { 0 });
+        key.map_or_else(|| ClosureParam::new("", ty), |key| ClosureParam::keyword(key, ty))
     };
     table
         .into_iter()
