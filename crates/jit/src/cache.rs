@@ -80,8 +80,10 @@ impl Request {
     /// Makes the code; a mistake of ours leaves the group to the interpreter.
     fn make(self) {
         let Self { plan, level, slot, is_pair } = self;
-        let make = if is_pair { Compiled::pair } else { Compiled::new };
-        let made = catch_unwind(AssertUnwindSafe(|| make(plan, level)));
+        let made = catch_unwind(AssertUnwindSafe(|| match slot.one.get() {
+            Some(Ok(one)) if is_pair => one.paired(),
+            _ => Compiled::new(plan, level),
+        }));
         let mistake = |_| Err(NoCode::OfGroup("the compiler made a mistake".into()));
         let _ = slot.place(is_pair).set(made.unwrap_or_else(mistake));
     }

@@ -3,9 +3,9 @@
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Plan, Program as _, RetainedOutput, Slot};
+use gnurt_sl::exec::{Bound, Plan, Program as _, RetainedOutput, Slot};
 use std::fmt;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use crate::control::{self, Code};
 use crate::ffi_call::{Line, cell_values};
@@ -35,9 +35,12 @@ impl fmt::Display for NoCode {
 /// A group as machine code for a level, for sixteen points at once, for two times sixteen, or for one.
 pub struct Compiled {
     pub(crate) plan: Arc<Plan>,
-    pub(crate) program: Program,
+    /// Of all levels, and of one batch or two.
+    pub(crate) program: Arc<Program>,
     pub(crate) layout: Layout,
     pub(crate) code: Executable,
+    /// By call, the component of a closure, resolved at first use.
+    pub(crate) bounds: Vec<OnceLock<Option<Bound>>>,
     /// Where each layer's code starts.
     pub(crate) layers: Vec<u32>,
     pub(crate) level: Level,
@@ -78,6 +81,23 @@ impl Compiled {
         level == Level::Avx512
     }
 
+    /// The same group for two batches at once; sooner made than by [`pair`](Self::pair).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn paired(&self) -> Result<Self, NoCode> {
+        let lanes = if self.lanes() == 1 { 1 } else { 32 };
+        Self::encoded(self.plan.clone(), self.program.clone(), self.level, lanes)
+    }
+
+    /// The same code for another level; sooner made than from the group.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn for_level(&self, level: Level) -> Result<Self, NoCode> {
+        Self::encoded(self.plan.clone(), self.program.clone(), level, self.lanes())
+    }
+
     /// Compiles a group for one point at a time, to compare with.
     ///
     /// # Errors
@@ -95,21 +115,28 @@ impl Compiled {
     }
 
     fn with_lanes(plan: Arc<Plan>, level: Level, lanes: usize) -> Result<Self, NoCode> {
-        if !Self::can(level) {
-            let why = format!("machine code is unsupported for {level}; valid are avx2, avx512 and neon");
-            return Err(NoCode::Here(why));
-        }
-        let program = lower::program(&plan, lanes).map_err(NoCode::OfGroup)?;
+        Self::check(level)?;
+        let program = lower::program(&plan, lanes > 1).map_err(NoCode::OfGroup)?;
+        Self::encoded(plan, Arc::new(program), level, lanes)
+    }
+
+    fn check(level: Level) -> Result<(), NoCode> {
+        let why = || format!("machine code is unsupported for {level}; valid are avx2, avx512 and neon");
+        if Self::can(level) { Ok(()) } else { Err(NoCode::Here(why())) }
+    }
+
+    fn encoded(plan: Arc<Plan>, program: Arc<Program>, level: Level, lanes: usize) -> Result<Self, NoCode> {
+        Self::check(level)?;
         let made = match level {
             Level::Neon => encoded::<aarch64::Asm>(&program, lanes, level),
             _ => encoded::<x86::Asm>(&program, lanes, level),
         };
         let (layout, made) = made.map_err(NoCode::OfGroup)?;
         let code = Executable::new(&made.bytes).map_err(NoCode::Here)?;
-        let flat = layout.template(&plan.memory);
-        let mut template = vec![Line([0; 16]); flat.len().div_ceil(16)];
-        cell_values(&mut template)[..flat.len()].copy_from_slice(&flat);
+        let mut template = vec![Line([0; 16]); layout.lines()];
+        layout.start(&plan.memory, cell_values(&mut template));
         let mut this = Self {
+            bounds: program.calls.iter().map(|_| OnceLock::new()).collect(),
             program,
             layout,
             code,

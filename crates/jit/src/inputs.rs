@@ -5,10 +5,10 @@
 
 use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*, u32x16};
 use gnurt_sl::exec::{DualRow, LANES, Points, Row, Slot};
-use std::collections::HashSet;
 
 use crate::layout::{CellAddress, Layout};
 use crate::program::{Call, Node, Program};
+use crate::term::QuickSet;
 
 /// A row of numbers of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +72,7 @@ impl Source {
 
 impl Input {
     /// Those of a global whose cells code reads.
-    pub(crate) fn of_global(name: &str, slot: &Slot, layout: &Layout, reads: &HashSet<u32>) -> Vec<Self> {
+    pub(crate) fn of_global(name: &str, slot: &Slot, layout: &Layout, reads: &QuickSet<u32>) -> Vec<Self> {
         let mut inputs = Vec::new();
         for (i, &source) in sources(name).iter().enumerate() {
             for part in 0..if slot.derivs { 3 } else { 1 } {
@@ -157,8 +157,8 @@ fn each(
 }
 
 /// The cells that a program reads.
-pub(crate) fn reads(program: &Program) -> HashSet<u32> {
-    let mut cells = HashSet::new();
+pub(crate) fn reads(program: &Program) -> QuickSet<u32> {
+    let mut cells = QuickSet::default();
     program.layers.iter().for_each(|layer| of_nodes(&layer.code, &mut cells));
     for call in &program.calls {
         let ins = match call {
@@ -171,7 +171,7 @@ pub(crate) fn reads(program: &Program) -> HashSet<u32> {
     cells
 }
 
-fn of_nodes(nodes: &[Node], cells: &mut HashSet<u32>) {
+fn of_nodes(nodes: &[Node], cells: &mut QuickSet<u32>) {
     for node in nodes {
         match node {
             Node::Region(region) => cells.extend(region.reads()),

@@ -414,11 +414,11 @@ impl Work<'_> {
                 }
             }
             Call::Closure(making) => {
-                let Making { layer, step, ins, outs, is_named, bound } = &**making;
+                let Making { layer, step, ins, outs, is_named } = &**making;
                 let held = &*memory;
                 let read = |cell: u32| place.cells(held, cell);
                 let machine = &mut work.machine;
-                let bound = bound.get_or_init(|| {
+                let bound = code.bounds[number as usize].get_or_init(|| {
                     // Arguments that are not brought are constants.
                     let is_fixed = |cell: u32| {
                         !ins.iter().any(|slot| (slot.at..slot.at + slot.cells() as u32).contains(&cell))

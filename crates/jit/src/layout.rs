@@ -104,11 +104,15 @@ impl Layout {
         })
     }
 
-    /// The memory as it starts: words.
-    pub(crate) fn template(&self, memory: &[u32]) -> Vec<u32> {
+    /// The memory's length in lines of sixteen words.
+    pub(crate) fn lines(&self) -> usize {
         let end = self.first_constant as usize / 4 + self.copies as usize * self.list.len();
         // A row may be loaded from the last word.
-        let mut cell_values = vec![0_u32; end.next_multiple_of(16) + 16];
+        end.div_ceil(16) + 1
+    }
+
+    /// Writes the memory as it starts over zeros.
+    pub(crate) fn start(&self, memory: &[u32], cell_values: &mut [u32]) {
         for i in 0..self.lanes {
             cell_values[self.lane_bits as usize / 4 + i] = 1 << i;
         }
@@ -122,6 +126,5 @@ impl Layout {
             let at = self.first_constant as usize / 4 + k * self.copies as usize;
             cell_values[at..at + self.copies as usize].fill(bits);
         }
-        cell_values
     }
 }

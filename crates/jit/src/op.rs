@@ -211,9 +211,21 @@ impl Op {
             }
         }
     }
+
+    /// The same operation on other values.
+    fn with_operands(self, of: impl Fn(Id) -> Id) -> Self {
+        match self {
+            Self::Cell(_) | Self::Const(_) | Self::Exec => self,
+            Self::Unary(what, a) => Self::Unary(what, of(a)),
+            Self::Shift(what, a, by) => Self::Shift(what, of(a), by),
+            Self::Binary(what, a, b) => Self::Binary(what, of(a), of(b)),
+            Self::Choose(m, a, b) => Self::Choose(of(m), of(a), of(b)),
+        }
+    }
 }
 
 /// Operations in a row, without branches: loads at the start, computations, and stores at the end.
+/// Invariant: each operation is needed for a store or a test.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Region {
     /// In order; each takes earlier ones.
@@ -225,26 +237,37 @@ pub(crate) struct Region {
 }
 
 impl Region {
-    /// The cells that it reads.
-    pub(crate) fn reads(&self) -> impl Iterator<Item = u32> {
-        let live = self.live();
-        self.ops.iter().zip(live).filter_map(|(op, live)| match op {
-            Op::Cell(cell) if live => Some(*cell),
-            _ => None,
-        })
-    }
-
-    /// Which values are needed.
-    pub(crate) fn live(&self) -> Vec<bool> {
-        let mut live = vec![false; self.ops.len()];
-        for &(_, id) in self.stores.iter().chain(&self.tests) {
-            live[id as usize] = true;
+    /// Of recorded operations, without those that nothing needs.
+    pub(crate) fn of(recorded: &[Op], mut stores: Vec<(u32, Id)>, mut tests: Vec<(u32, Id)>) -> Self {
+        // First whether each is needed, then its new number.
+        let mut numbers = vec![0; recorded.len()];
+        for &(_, id) in stores.iter().chain(&tests) {
+            numbers[id as usize] = 1;
         }
-        for i in (0..self.ops.len()).rev() {
-            if live[i] {
-                self.ops[i].operands(|id| live[id as usize] = true);
+        let mut count = 0;
+        for (i, op) in recorded.iter().enumerate().rev() {
+            if numbers[i] != 0 {
+                count += 1;
+                op.operands(|id| numbers[id as usize] = 1);
             }
         }
-        live
+        let mut ops = Vec::with_capacity(count);
+        for (op, number) in recorded.iter().zip(0..) {
+            if numbers[number] != 0 {
+                let made = op.with_operands(|id| numbers[id as usize]);
+                numbers[number] = ops.len() as Id;
+                ops.push(made);
+            }
+        }
+        stores.iter_mut().chain(&mut tests).for_each(|(_, id)| *id = numbers[*id as usize]);
+        Self { ops, stores, tests }
+    }
+
+    /// The cells that it reads.
+    pub(crate) fn reads(&self) -> impl Iterator<Item = u32> {
+        self.ops.iter().filter_map(|op| match op {
+            Op::Cell(cell) => Some(*cell),
+            _ => None,
+        })
     }
 }

@@ -2,9 +2,9 @@
 //! A group as a back end takes it: regions, and the control between them. Masks are bits, stored in slots.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
-use gnurt_sl::exec::{Bound, Slot, Step};
+use gnurt_sl::exec::{Slot, Step};
 use gnurt_sl::ir::SourcePosition as Line;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use crate::op::Region;
 use crate::term::QuickMap;
@@ -134,8 +134,6 @@ pub(crate) struct Making {
     pub(crate) outs: Vec<Slot>,
     /// Whether texts that it takes never change.
     pub(crate) is_named: bool,
-    /// Its component, resolved at first use.
-    pub(crate) bound: OnceLock<Option<Bound>>,
 }
 
 /// A group.

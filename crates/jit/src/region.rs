@@ -12,6 +12,22 @@ use crate::op::{Binary, Id, Op, Region, Shift};
 /// No register and no slot.
 const NONE: u32 = u32::MAX;
 
+/// Where a value is.
+#[derive(Clone, Copy)]
+struct Place {
+    /// Its next use among all.
+    next: u32,
+    /// Its room in memory, or [`NONE`].
+    spilled: u32,
+    /// Its register, or [`NOWHERE`].
+    register: u8,
+    /// Its mask register; 0 for none.
+    home: u8,
+}
+
+/// No register.
+const NOWHERE: u8 = u8::MAX;
+
 struct Emitter<'a, I> {
     asm: &'a mut I,
     layout: &'a mut Layout,
@@ -20,13 +36,13 @@ struct Emitter<'a, I> {
     areas: Areas,
     /// The first lane of this part.
     lane: u32,
-    /// Indices where each value is used, in order, and where its list starts.
+    /// Indices where each value is used, in order; after those of a value comes [`NONE`].
     uses: &'a [u32],
-    starts: &'a [u32],
-    next: Vec<u32>,
-    register: Vec<u32>,
-    spilled: Vec<u32>,
-    holds: Vec<Option<Id>>,
+    places: Vec<Place>,
+    /// The values in registers; the set of registers that have some, and of all.
+    holds: [Id; 32],
+    busy: u32,
+    all: u32,
     /// Cells that the region changes, so that they cannot be loaded again later.
     pinned: &'a [bool],
     /// Rooms that were taken, and those of them that are free again.
@@ -36,9 +52,8 @@ struct Emitter<'a, I> {
     /// Cells of a loop that stay in registers, this part's; and the registers of those of all parts.
     carried: Vec<(u32, u8)>,
     taken: u32,
-    /// Values that are masks, where there are registers for such; their registers, 0 for none.
+    /// Values that are masks, where there are registers for such.
     masks: &'a [bool],
-    home: Vec<u8>,
     kept: [Option<Id>; 8],
     kept_locked: u8,
     /// See [`Carried::live`]; where that mask is.
@@ -94,10 +109,7 @@ pub(crate) fn carried<I: Isa>(layout: &Layout, region: &Region, width: Width, li
 
 fn carried_cells<I: Isa>(layout: &Layout, region: &Region, width: Width) -> Vec<u32> {
     let parts = layout.lanes.div_ceil(width.lanes());
-    let live = region.live();
-    let is_read = |cell: u32| {
-        region.ops.iter().zip(&live).any(|(op, &live)| live && matches!(*op, Op::Cell(c) if c == cell))
-    };
+    let is_read = |cell: u32| region.reads().any(|c| c == cell);
     // A value that is stored elsewhere or tested must not be overwritten before.
     let is_out = |cell: u32| {
         let mut outs = region.stores.iter().chain(&region.tests);
@@ -147,14 +159,13 @@ pub(crate) fn region<I: Isa>(
     areas: Areas,
     carried: &Carried,
 ) -> u32 {
-    let live = region.live();
     let count = region.ops.len();
     let mut starts = vec![0_u32; count + 1];
+    // Each list has an end.
+    starts[1..].fill(1);
     let outs = region.stores.iter().chain(&region.tests);
-    for (i, op) in region.ops.iter().enumerate() {
-        if live[i] {
-            op.operands(|id| starts[id as usize + 1] += 1);
-        }
+    for op in &region.ops {
+        op.operands(|id| starts[id as usize + 1] += 1);
     }
     for &(_, id) in outs.clone() {
         starts[id as usize + 1] += 1;
@@ -162,16 +173,17 @@ pub(crate) fn region<I: Isa>(
     for i in 0..count {
         starts[i + 1] += starts[i];
     }
-    let mut fill = starts.clone();
-    let mut uses = vec![0_u32; starts[count] as usize];
+    let places: Vec<Place> = starts[..count]
+        .iter()
+        .map(|&next| Place { next, spilled: NONE, register: NOWHERE, home: 0 })
+        .collect();
+    let mut uses = vec![NONE; starts[count] as usize];
     let mut put = |id: Id, at: usize| {
-        uses[fill[id as usize] as usize] = at as u32;
-        fill[id as usize] += 1;
+        uses[starts[id as usize] as usize] = at as u32;
+        starts[id as usize] += 1;
     };
     for (i, op) in region.ops.iter().enumerate() {
-        if live[i] {
-            op.operands(|id| put(id, i));
-        }
+        op.operands(|id| put(id, i));
     }
     for (k, &(_, id)) in outs.enumerate() {
         put(id, count + k);
@@ -201,17 +213,15 @@ pub(crate) fn region<I: Isa>(
             areas,
             lane: lane as u32,
             uses: &uses,
-            starts: &starts,
-            next: starts[..count].to_vec(),
-            register: vec![NONE; count],
-            spilled: vec![NONE; count],
-            holds: vec![None; I::registers(width)],
+            places: places.clone(),
+            holds: [NONE; 32],
+            busy: 0,
+            all: u32::MAX >> (32 - I::registers(width)),
             pinned: &pinned,
             spills: 0,
             free: Vec::new(),
             locked: taken,
             masks: &masks,
-            home: vec![0; count],
             kept: [None; 8],
             kept_locked: 0,
             live: carried.live,
@@ -221,7 +231,7 @@ pub(crate) fn region<I: Isa>(
                 .fold(0, |bits, k| bits | 1 << k),
             exec_row: row.map(|number| home(part, number)),
         };
-        emitter.emit(&live, lane + width.lanes() >= lanes);
+        emitter.emit(lane + width.lanes() >= lanes);
         most = most.max(emitter.spills);
     }
     most
@@ -234,22 +244,21 @@ impl<I: Isa> Emitter<'_, I> {
         self.kept_locked = self.taken_masks;
     }
 
-    fn emit(&mut self, live: &[bool], last: bool) {
+    fn emit(&mut self, last: bool) {
         self.unlock();
         if let Some(k) = self.exec_mask {
-            for (home, op) in self.home.iter_mut().zip(&self.region.ops) {
-                *home = if *op == Op::Exec { k } else { *home };
-            }
+            let exec = self.region.ops.iter().zip(&mut self.places).find(|(op, _)| **op == Op::Exec);
+            exec.into_iter().for_each(|(_, place)| place.home = k);
         }
         // Constants and cells are loaded where they are needed, but cells that change are loaded before they do.
-        for (i, &needed) in live.iter().enumerate() {
-            if needed && self.pinned[i] {
+        for i in 0..self.pinned.len() {
+            if self.pinned[i] {
                 self.ensure(i as Id);
+                self.unlock();
             }
         }
-        self.unlock();
-        for (i, &needed) in live.iter().enumerate() {
-            if needed && !matches!(self.region.ops[i], Op::Cell(_) | Op::Const(_) | Op::Exec) {
+        for i in 0..self.region.ops.len() {
+            if !matches!(self.region.ops[i], Op::Cell(_) | Op::Const(_) | Op::Exec) {
                 self.operation(i as Id);
                 self.unlock();
             }
@@ -298,23 +307,22 @@ impl<I: Isa> Emitter<'_, I> {
 
     /// The index of the next use of a value.
     fn next_use(&self, id: Id) -> u32 {
-        let at = self.next[id as usize];
-        if at < self.starts[id as usize + 1] { self.uses[at as usize] } else { NONE }
+        self.uses[self.places[id as usize].next as usize]
     }
 
     /// One use of a value is done; its register is free after the last one.
     fn used(&mut self, id: Id) {
-        self.next[id as usize] += 1;
-        if self.next_use(id) == NONE {
-            let reg = std::mem::replace(&mut self.register[id as usize], NONE);
-            if reg != NONE {
-                self.holds[reg as usize] = None;
+        let place = &mut self.places[id as usize];
+        place.next += 1;
+        if self.uses[place.next as usize] == NONE {
+            let reg = std::mem::replace(&mut place.register, NOWHERE);
+            if reg != NOWHERE {
+                self.busy &= !(1 << reg);
             }
-            let area = self.spilled[id as usize];
-            if area != NONE {
-                self.free.push(area);
+            if place.spilled != NONE {
+                self.free.push(place.spilled);
             }
-            let k = std::mem::take(&mut self.home[id as usize]);
+            let k = std::mem::take(&mut place.home);
             if k != 0 {
                 self.kept[k as usize] = None;
             }
@@ -332,49 +340,53 @@ impl<I: Isa> Emitter<'_, I> {
 
     /// A free register; if there is none, the one whose value is needed last is spilled.
     fn take(&mut self) -> u8 {
-        let free = |e: &Self, r: usize| e.holds[r].is_none() && e.locked & 1 << r == 0;
-        if let Some(r) = (0..self.holds.len()).find(|&r| free(self, r)) {
-            self.locked |= 1 << r;
-            return r as u8;
+        let open = self.all & !self.locked;
+        let free = (open & !self.busy).trailing_zeros();
+        if free < 32 {
+            self.locked |= 1 << free;
+            return free as u8;
         }
-        let (mut best, mut far) = (0, 0);
-        for r in 0..self.holds.len() {
-            if let (Some(id), 0) = (self.holds[r], self.locked & 1 << r) {
-                // A value that can be loaded again costs less.
-                let next = u64::from(self.next_use(id)) * 2 + u64::from(self.can_reload(id));
-                if next >= far {
-                    (best, far) = (r, next);
-                }
+        let (mut best, mut far, mut rest) = (0, 0, open);
+        while rest != 0 {
+            let r = rest.trailing_zeros();
+            rest &= rest - 1;
+            // A value that can be loaded again costs less.
+            let id = self.holds[r as usize];
+            let next = u64::from(self.next_use(id)) * 2 + u64::from(self.can_reload(id));
+            if next >= far {
+                (best, far) = (r as u8, next);
             }
         }
-        if let Some(id) = self.holds[best].take() {
-            self.register[id as usize] = NONE;
-            let is_kept = self.home[id as usize] != 0;
-            if !is_kept && !self.can_reload(id) && self.spilled[id as usize] == NONE {
-                let area = self.free.pop().unwrap_or_else(|| {
-                    self.spills += 1;
-                    self.spills - 1
-                });
-                self.spilled[id as usize] = area;
-                self.asm.save(self.width, best as u8, self.areas.spills + 64 * area);
-            }
-        }
+        debug_assert!(open != 0, "an operation needs all registers");
+        let id = self.holds[usize::from(best)];
+        self.busy &= !(1 << best);
         self.locked |= 1 << best;
-        best as u8
+        let reloads = self.can_reload(id);
+        let place = &mut self.places[id as usize];
+        place.register = NOWHERE;
+        if place.home == 0 && !reloads && place.spilled == NONE {
+            place.spilled = self.free.pop().unwrap_or_else(|| {
+                self.spills += 1;
+                self.spills - 1
+            });
+            self.asm.save(self.width, best, self.areas.spills + 64 * place.spilled);
+        }
+        best
     }
 
     fn hold(&mut self, id: Id, reg: u8) {
-        self.register[id as usize] = reg.into();
-        self.holds[reg as usize] = Some(id);
+        self.places[id as usize].register = reg;
+        self.holds[reg as usize] = id;
+        self.busy |= 1 << reg;
         self.locked |= 1 << reg;
     }
 
     /// The register of a value, which stays there while the operation is made.
     fn ensure(&mut self, id: Id) -> u8 {
-        let reg = self.register[id as usize];
-        if reg != NONE {
-            self.locked |= 1 << reg;
-            return reg as u8;
+        let Place { register, spilled, home: mask, .. } = self.places[id as usize];
+        if register != NOWHERE {
+            self.locked |= 1 << register;
+            return register;
         }
         if let Op::Cell(cell) = self.region.ops[id as usize]
             && let Some(&(_, home)) = self.carried.iter().find(|c| c.0 == cell)
@@ -385,11 +397,10 @@ impl<I: Isa> Emitter<'_, I> {
             return home;
         }
         let reg = self.take();
-        if self.home[id as usize] != 0 {
-            self.asm.spread_mask(reg, self.home[id as usize]);
-        } else if self.spilled[id as usize] != NONE {
-            let at = self.areas.spills + 64 * self.spilled[id as usize];
-            self.asm.restore(self.width, reg, at);
+        if mask != 0 {
+            self.asm.spread_mask(reg, mask);
+        } else if spilled != NONE {
+            self.asm.restore(self.width, reg, self.areas.spills + 64 * spilled);
         } else {
             match self.region.ops[id as usize] {
                 Op::Const(0) => self.asm.zero(self.width, reg),
@@ -406,6 +417,12 @@ impl<I: Isa> Emitter<'_, I> {
         reg
     }
 
+    /// Whether a value has a register or a room.
+    fn is_elsewhere(&self, id: Id) -> bool {
+        let place = self.places[id as usize];
+        place.register != NOWHERE || place.spilled != NONE
+    }
+
     /// A mask register: a free one, or the one whose mask is needed last.
     fn take_mask(&mut self) -> u8 {
         let mut all = I::mask_registers(self.width);
@@ -417,34 +434,32 @@ impl<I: Isa> Emitter<'_, I> {
             open.max_by_key(|&k| next(k)).or(all.next()).unwrap_or_default()
         });
         if let Some(id) = self.kept[k].take() {
-            let is_elsewhere = self.register[id as usize] != NONE || self.spilled[id as usize] != NONE;
-            if !is_elsewhere && self.region.ops[id as usize] != Op::Exec {
+            if !self.is_elsewhere(id) && self.region.ops[id as usize] != Op::Exec {
                 let reg = self.take();
                 self.asm.spread_mask(reg, k as u8);
                 self.hold(id, reg);
             }
-            self.home[id as usize] = 0;
+            self.places[id as usize].home = 0;
         }
         self.kept_locked |= 1 << k;
         k as u8
     }
 
     fn keep(&mut self, id: Id, k: u8) {
-        self.home[id as usize] = k;
+        self.places[id as usize].home = k;
         self.kept[k as usize] = Some(id);
         self.kept_locked |= 1 << k;
     }
 
     /// The mask register of a mask, which stays there while the operation is made.
     fn ensure_mask(&mut self, id: Id) -> u8 {
-        let home = self.home[id as usize];
+        let home = self.places[id as usize].home;
         if home != 0 {
             self.kept_locked |= 1 << home;
             return home;
         }
         let k = self.take_mask();
-        let is_elsewhere = self.register[id as usize] != NONE || self.spilled[id as usize] != NONE;
-        if self.region.ops[id as usize] == Op::Exec && !is_elsewhere {
+        if self.region.ops[id as usize] == Op::Exec && !self.is_elsewhere(id) {
             self.asm.load_exec_mask(k, self.lane);
         } else {
             let reg = self.ensure(id);
@@ -476,15 +491,14 @@ impl<I: Isa> Emitter<'_, I> {
 
     /// A value as a last source: in memory where that serves.
     fn source(&mut self, id: Id) -> Source {
-        let here = self.register[id as usize];
         let from = I::from_memory(self.width);
-        if here == NONE && self.spilled[id as usize] == NONE && from != FromMemory::Nothing {
+        if !self.is_elsewhere(id) && from != FromMemory::Nothing {
             match self.region.ops[id as usize] {
                 Op::Const(bits) if bits != 0 => {
                     let at = self.layout.constant(bits);
                     return if from == FromMemory::All { Source::Each(at) } else { Source::Mem(at) };
                 }
-                Op::Cell(cell) if !self.pinned[id as usize] && self.uses_left(id) == 1 => {
+                Op::Cell(cell) if !self.pinned[id as usize] && self.is_last_use(id) => {
                     match self.layout.address(cell) {
                         CellAddress::Each(at) => return Source::Mem(at + 4 * self.lane),
                         CellAddress::One(at) if from == FromMemory::All => return Source::Each(at),
@@ -497,14 +511,14 @@ impl<I: Isa> Emitter<'_, I> {
         Source::Reg(self.ensure(id))
     }
 
-    fn uses_left(&self, id: Id) -> u32 {
-        self.starts[id as usize + 1] - self.next[id as usize]
+    fn is_last_use(&self, id: Id) -> bool {
+        self.uses[self.places[id as usize].next as usize + 1] == NONE
     }
 
     /// Whether a value is better read from memory than from a register.
     fn is_constant(&self, id: Id) -> bool {
         matches!(self.region.ops[id as usize], Op::Const(bits) if bits != 0)
-            && self.register[id as usize] == NONE
+            && self.places[id as usize].register == NOWHERE
     }
 
     fn operation(&mut self, id: Id) {
@@ -551,7 +565,7 @@ impl<I: Isa> Emitter<'_, I> {
     fn result(&mut self, sources: &[Source]) -> u8 {
         for source in sources {
             if let Source::Reg(r) = *source
-                && self.holds[r as usize].is_none()
+                && self.busy & 1 << r == 0
                 && self.taken & 1 << r == 0
             {
                 return r;
@@ -599,8 +613,7 @@ impl<I: Isa> Emitter<'_, I> {
                 self.used(x);
             }
             let is_ours = self.taken & 1 << mask == 0;
-            let free =
-                is_ours && self.holds[mask as usize].is_none() && mask != yes && no != Source::Reg(mask);
+            let free = is_ours && self.busy & 1 << mask == 0 && mask != yes && no != Source::Reg(mask);
             let to = if free { mask } else { self.take() };
             if to != mask {
                 self.asm.copy(self.width, to, mask);

@@ -174,8 +174,8 @@ fn same(a: &Data, b: &Data) -> bool {
     }
 }
 
-/// The results of a point: outputs by name, and its messages.
-type Given1 = (Vec<(String, Data)>, Vec<Event>);
+/// The results of a point: outputs, `Ci`, and its messages.
+type Given1 = (Vec<Data>, Vec<Event>);
 
 /// Compares, as the group is and as it is optimised, of which the last layer's outputs are wanted. The oracle
 /// runs every operation of the text. Returns how many operations of the latter were left to the interpreter.
@@ -187,19 +187,10 @@ pub(crate) fn compare(group: &Group, text: &str) -> usize {
     let last = group.layers.last().expect("a layer");
     let wanted = last.shader.params().map(|(_, s)| format!("{}.{}", last.name, s.name)).collect();
     let plain = plan(false, Vec::new());
-    compare_with(group, &plain, &plain, 0, text);
-    compare_with(group, &plain, &plan(true, wanted), group.layers.len() - 1, text)
-}
-
-/// The same for a plan, and the outputs from a layer on.
-fn compare_with(group: &Group, plain: &Arc<Plan>, plan: &Arc<Plan>, first: usize, text: &str) -> usize {
-    let world = World::default();
-    let points = points(21);
     let outputs: Vec<(usize, String)> = group
         .layers
         .iter()
         .enumerate()
-        .skip(first)
         .flat_map(|(number, layer)| {
             let names = layer.shader.symbols.iter().filter(|s| s.kind == SymbolKind::OutputParam);
             names
@@ -208,70 +199,102 @@ fn compare_with(group: &Group, plain: &Arc<Plan>, plan: &Arc<Plan>, first: usize
                 .collect::<Vec<_>>()
         })
         .collect();
-    let mut machine = Machine::new(plain, &world);
-    let expected: Vec<Given1> = points
-        .iter()
-        .map(|point| {
+    let expected = Expected::of(&plain, outputs);
+    expected.compare(&plain, 0, text);
+    expected.compare(&plan(true, wanted), group.layers.len() - 1, text)
+}
+
+/// What the interpreter gives.
+struct Expected {
+    points: Vec<Point>,
+    /// Layers and names.
+    outputs: Vec<(usize, String)>,
+    /// By point.
+    given: Vec<Given1>,
+}
+
+impl Expected {
+    fn of(plain: &Arc<Plan>, outputs: Vec<(usize, String)>) -> Self {
+        let (world, points) = (World::default(), points(21));
+        let mut machine = Machine::new(plain, &world);
+        let mut run = |point| {
             machine.run(point);
-            let mut list: Vec<(String, Data)> = Vec::new();
+            let mut list: Vec<Data> = Vec::new();
             for (layer, name) in &outputs {
                 let (ty, data) = machine.output(Some(*layer), name).expect("an output");
-                let data = if ty == Type::CLOSURE { closure(&machine, &data) } else { data };
-                list.push((format!("{layer}.{name}"), data));
+                list.push(if ty == Type::CLOSURE { closure(&machine, &data) } else { data });
             }
-            list.push(("Ci".into(), closure(&machine, &Data::Int(vec![machine.ci() as i32]))));
+            list.push(closure(&machine, &Data::Int(vec![machine.ci() as i32])));
             (list, std::mem::take(&mut machine.events))
-        })
-        .collect();
-    let mut left = 0;
-    for level in Level::available().into_iter().filter(|&level| Compiled::can(level)) {
-        for make in [Compiled::new, Compiled::scalar, Compiled::pair] {
-            let code = match make(plan.clone(), level) {
-                Ok(code) => code,
-                // A limit of machine code that a random program in twenty thousand meets: it is interpreted.
-                Err(why) if why.to_string().ends_with("values are needed at once") => continue,
-                Err(why) => panic!("{why}\n{text}"),
-            };
-            left = code.calls();
-            let mut lanes = Lanes::new(&code, &world);
-            for (batch, list) in points.chunks(code.lanes()).enumerate() {
-                lanes.run_all(&list.chunks(LANES).map(rows).collect::<Vec<_>>());
-                let events = lanes.take_events();
-                for lane in 0..list.len() {
-                    let number = batch * code.lanes() + lane;
-                    let how = format!("{level}, {} lanes, point {number}", code.lanes());
-                    let (values, messages) = &expected[number];
-                    for (k, (name, value)) in values.iter().enumerate() {
-                        let data = match outputs.get(k) {
-                            Some((layer, name)) => {
-                                let (ty, data) = lanes.output(lane, Some(*layer), name).expect("an output");
-                                if ty == Type::CLOSURE { closure_of_lane(&lanes, lane, &data) } else { data }
-                            }
-                            None => closure_of_lane(&lanes, lane, &Data::Int(vec![lanes.ci(lane) as i32])),
-                        };
-                        assert!(same(value, &data), "{how}: {name} is {data:?}, not {value:?}\n{text}");
+        };
+        let given = points.iter().map(&mut run).collect();
+        Self { points, outputs, given }
+    }
+
+    /// With the code of a plan at all levels, and the outputs from a layer on.
+    fn compare(&self, plan: &Arc<Plan>, first: usize, text: &str) -> usize {
+        let levels: Vec<_> = Level::available().into_iter().filter(|&level| Compiled::can(level)).collect();
+        let mut left = 0;
+        for make in [Compiled::scalar, Compiled::new] {
+            let mut known: Option<Compiled> = None;
+            for &level in &levels {
+                let made =
+                    known.as_ref().map_or_else(|| make(plan.clone(), level), |code| code.for_level(level));
+                match made {
+                    Ok(code) => {
+                        if code.lanes() > 1 {
+                            self.compare_with(&code.paired().expect("as small as the other"), first, text);
+                        }
+                        self.compare_with(&code, first, text);
+                        left = code.calls();
+                        known = Some(code);
                     }
-                    let text_of = |event: &Event| format!("{event:?}");
-                    let heard = events.iter().filter(|(l, _)| *l == lane).map(|(_, e)| text_of(e));
-                    let (mut heard, mut told): (Vec<_>, Vec<_>) =
-                        (heard.collect(), messages.iter().map(text_of).collect());
-                    if first > 0 {
-                        // Optimised layers may run in another order, and those that are not needed do not.
-                        heard.sort();
-                        told.sort();
-                        let mut rest = told.iter();
-                        told = heard
-                            .iter()
-                            .filter_map(|one| rest.find(|other| *other == one))
-                            .cloned()
-                            .collect();
-                    }
-                    assert_eq!(heard, told, "{how}: what is said\n{text}");
+                    // A limit of machine code that a random program in twenty thousand meets: it is interpreted.
+                    Err(why) if why.to_string().ends_with("values are needed at once") => {}
+                    Err(why) => panic!("{why}\n{text}"),
+                }
+            }
+        }
+        left
+    }
+
+    /// With code.
+    fn compare_with(&self, code: &Compiled, first: usize, text: &str) {
+        let world = World::default();
+        let mut lanes = Lanes::new(code, &world);
+        for (batch, list) in self.points.chunks(code.lanes()).enumerate() {
+            lanes.run_all(&list.chunks(LANES).map(rows).collect::<Vec<_>>());
+            let mut heard = vec![Vec::new(); list.len()];
+            lanes.take_events().into_iter().for_each(|(lane, event)| heard[lane].push(event));
+            for (lane, heard) in heard.into_iter().enumerate() {
+                let number = batch * code.lanes() + lane;
+                let how = || format!("{}, {} lanes, point {number}", code.level(), code.lanes());
+                let (values, told) = &self.given[number];
+                for ((layer, name), value) in self.outputs.iter().zip(values).filter(|o| o.0.0 >= first) {
+                    let (ty, data) = lanes.output(lane, Some(*layer), name).expect("an output");
+                    let data = if ty == Type::CLOSURE { closure_of_lane(&lanes, lane, &data) } else { data };
+                    assert!(same(value, &data), "{}: {name} is {data:?}, not {value:?}\n{text}", how());
+                }
+                let ci = closure_of_lane(&lanes, lane, &Data::Int(vec![lanes.ci(lane) as i32]));
+                assert!(
+                    values.last() == Some(&ci),
+                    "{}: Ci is {ci:?}, not {:?}\n{text}",
+                    how(),
+                    values.last()
+                );
+                if first > 0 {
+                    // Optimised layers may run in another order, and those that are not needed do not.
+                    let mut rest = told.clone();
+                    let is_told = heard.iter().all(|one| {
+                        rest.iter().position(|other| other == one).map(|at| rest.remove(at)).is_some()
+                    });
+                    assert!(is_told, "{}: {heard:?} is said, not {told:?}\n{text}", how());
+                } else {
+                    assert_eq!(&heard, told, "{}: what is said\n{text}", how());
                 }
             }
         }
     }
-    left
 }
 
 fn closure(machine: &Machine<'_>, data: &Data) -> Data {

@@ -35,7 +35,7 @@ pub(crate) struct Analysis {
 }
 
 /// Analyses a group. With one lane nothing varies.
-pub(crate) fn analysis(plan: &Plan, known: &Known<'_>, lanes: usize) -> Analysis {
+pub(crate) fn analysis(plan: &Plan, known: &Known<'_>, several: bool) -> Analysis {
     let mut analysis = Analysis { varying: vec![false; plan.memory.len()], ..Analysis::default() };
     let mut uses = Uses { analysis: &mut analysis, open: Vec::new(), stack: Vec::new() };
     for layer in &plan.layers {
@@ -50,7 +50,7 @@ pub(crate) fn analysis(plan: &Plan, known: &Known<'_>, lanes: usize) -> Analysis
         }
         uses.block(&layer.code, known);
     }
-    if lanes > 1 {
+    if several {
         vary(plan, known, &mut analysis);
     }
     analysis

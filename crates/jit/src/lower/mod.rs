@@ -14,11 +14,10 @@ use gnurt_sl::exec::{
 };
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
-use std::collections::HashSet;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use crate::program::{Call, Layer, Loop as Turns, Making, Node, Program, Test, Tight};
-use crate::term::{constant, take};
+use crate::term::{QuickSet, constant, take};
 use native::{Known, Touch, is_honest, touches};
 use values::Values;
 
@@ -37,11 +36,11 @@ const LONG: u32 = 2000;
 /// Operations of code; each has some ten bytes, and as much again while it is made.
 const SIZE: usize = 2_000_000;
 
-/// The program of a group, for this many lanes: 16, or 1.
+/// The program of a group, for several lanes, however many, or for one.
 ///
 /// # Errors
 /// Why the interpreter must run it.
-pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
+pub(crate) fn program(plan: &Plan, several: bool) -> Result<Program, String> {
     if plan.debug_layers {
         return Err("layers that print their start need the interpreter".into());
     }
@@ -54,7 +53,7 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
     }
     let mut cells = vec![false; plan.memory.len()];
     for layer in &plan.layers {
-        let mut written = HashSet::new();
+        let mut written = QuickSet::default();
         for list in layer.params.iter().map(|param| &param.init).chain([&layer.code]) {
             note_written(list, &mut written);
         }
@@ -67,7 +66,7 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
         }
     }
     let known = Known { plan, cells };
-    let analysis = analyse::analysis(plan, &known, lanes);
+    let analysis = analyse::analysis(plan, &known, several);
     let mut lowerer = Lowerer {
         values: Values::new(plan, analysis, &known),
         program: Program::default(),
@@ -92,7 +91,7 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
 }
 
 /// Notes the first cells that a block writes.
-fn note_written(list: &[Instruction], written: &mut HashSet<u32>) {
+fn note_written(list: &[Instruction], written: &mut QuickSet<u32>) {
     for instruction in list {
         match instruction {
             Instruction::Do(step) => {
@@ -587,7 +586,7 @@ impl Lowerer<'_> {
         let (layer, step) = (self.layer, Arc::new(step.clone()));
         let call = if makes_closures(&step) {
             let is_named = ins.iter().all(|slot| slot.ty.base != Base::String);
-            Call::Closure(Box::new(Making { layer, step, ins, outs, is_named, bound: OnceLock::new() }))
+            Call::Closure(Box::new(Making { layer, step, ins, outs, is_named }))
         } else if queries_in_batches(&step) {
             Call::Together { layer, step, ins, outs }
         } else {

@@ -190,8 +190,8 @@ impl<'p> Values<'p> {
         self.seen.clear();
         self.masks.clear();
         let tests = std::mem::take(&mut self.tests);
-        let ops = take();
-        (!stores.is_empty() || !tests.is_empty()).then_some(Region { ops, stores, tests })
+        let recorded = take();
+        (!stores.is_empty() || !tests.is_empty()).then(|| Region::of(&recorded, stores, tests))
     }
 
     /// Which lanes an int in a slot sends on; `slot` is taken where they differ.
