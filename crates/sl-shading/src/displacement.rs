@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Displacement by shaders: `displacement` shaders, and surfaces with an output `vector displacement`; and `bump` of surfaces.
+//! Displacement by shaders: `displacement` shaders, surfaces that call `displace`, and those with an output `vector displacement`; and
+//! `bump` of surfaces.
 //! Source: the OSL specification, sections 5.1 and 7.6. A displacement shader assigns to `P`, or calls `displace`; the offset is the
 //! change of `P`. `N` and `bump` change nothing there, because normals are those of the displaced triangles. The output of a surface is
-//! the offset itself, and the rest of the surface is left out of that program. `bump` of surfaces gives `N` the normal that the surface
+//! the offset itself, and the rest of the surface is left out of that program. A surface is a program of its own at vertices, where only
+//! `displace` changes `P` for others; where it is shaded, `displace` does nothing, because its point is displaced. `bump` of surfaces gives `N` the normal that the surface
 //! would have if it were displaced so far.
 //! Space: object is the common space; `world`, `object` and `shader` are the same. Tests: `tests/scripts/displacement.rs`.
 
@@ -12,7 +14,9 @@ use glam::Vec3;
 use gnurt_shading::{AttributeRequest, DisplacementShader, SurfaceBatch, Vec3s};
 use gnurt_sl::exec::Points;
 use gnurt_sl::hir::Data;
-use gnurt_sl::ir::{Block, Node, Op, Shader, SymId, Symbol, SymbolKind, ops};
+use gnurt_sl::ir::{
+    Block, Node, Op, Shader, SourcePosition, SymId, Symbol, SymbolKind, Use, ops, ops_mut, uses,
+};
 use gnurt_sl::opcode::Opcode;
 use gnurt_sl::passes::mark_derivatives;
 use gnurt_sl::types::Type;
@@ -71,6 +75,38 @@ pub(crate) fn expand(shader: &mut Shader, which: Opcode) {
     let mut code = std::mem::take(&mut shader.code);
     expand_block(&mut code, shader, which);
     shader.code = code;
+    mark_derivatives(shader);
+}
+
+/// Whether a layer's assignments to `P` displace.
+pub(crate) fn assigns(shader: &Shader) -> bool {
+    &*shader.kind == "displacement"
+}
+
+/// Gives a shader variables in place of the globals that it assigns to, so that those of other shaders and the renderer stay.
+pub(crate) fn keep_globals(shader: &mut Shader) {
+    let mut written = Vec::new();
+    let mut note = |id: SymId, usage: Use| {
+        if usage == Use::Write && shader.symbol(id).kind == SymbolKind::Global && !written.contains(&id) {
+            written.push(id);
+        }
+    };
+    uses(&shader.code, &mut note);
+    for id in written {
+        let (name, ty) = (shader.symbol(id).name.clone(), shader.symbol(id).ty);
+        let own = &mut shader.symbols[id as usize];
+        (own.name, own.kind) = (format!("$own{id}").into(), SymbolKind::Local);
+        let global = push(shader, Symbol::new(name, SymbolKind::Global, ty));
+        // Defaults are worked out before.
+        for symbol in &mut shader.symbols {
+            let mut put = |op: &mut Op| op.args.iter_mut().filter(|a| **a == id).for_each(|a| *a = global);
+            ops_mut(&mut symbol.init, &mut put);
+        }
+        let args = vec![id, global];
+        let start =
+            Op { code: Opcode::Assign, args, reads: 2, writes: 1, derivs: 0, at: SourcePosition::default() };
+        shader.code.insert(0, Node::Op(start));
+    }
     mark_derivatives(shader);
 }
 

@@ -421,13 +421,24 @@ impl Script {
     /// It is none, or too large.
     pub fn surface(&self) -> Result<Arc<dyn SurfaceShader>, String> {
         self.is(Kind::Surface)?;
-        if self.group.layers.iter().any(|layer| displacement::calls(&layer.shader, Opcode::Bump)) {
-            let mut script = self.clone();
-            for layer in &mut script.group.layers {
-                displacement::expand(Arc::make_mut(&mut layer.shader), Opcode::Bump);
-            }
-            return script.surface();
+        let bends = |shader: &Shader| displacement::calls(shader, Opcode::Bump);
+        if !self.group.layers.iter().any(|l| bends(&l.shader) || displacement::assigns(&l.shader)) {
+            return self.displaced_surface();
         }
+        let mut script = self.clone();
+        for layer in &mut script.group.layers {
+            let shader = Arc::make_mut(&mut layer.shader);
+            displacement::expand(shader, Opcode::Bump);
+            // The point is displaced already.
+            if displacement::assigns(shader) {
+                displacement::keep_globals(shader);
+            }
+        }
+        script.displaced_surface()
+    }
+
+    /// The same, of layers that leave the point where it is.
+    fn displaced_surface(&self) -> Result<Arc<dyn SurfaceShader>, String> {
         let group = self.with_closure_output()?;
         let plan = self.plan(&group, &[])?;
         let fixed = Fixed::of(&plan, &colors()?, ColorMap::to(self.access.space));
@@ -453,28 +464,30 @@ impl Script {
         Ok(Arc::new(ScriptSurface { common, fixed, outputs }))
     }
 
-    /// As the displacement of a surface: of a shader of that type, or by the output `vector displacement` of a `surface` or `shader`.
-    /// `None` for others.
+    /// As the displacement of a surface: by layers of that type, by calls of `displace` in a `surface` or `shader`, or by the output
+    /// `vector displacement` of the last one. `None` for others.
     ///
     /// # Errors
     /// It is too large.
     pub fn displacement(&self) -> Result<Option<Arc<dyn DisplacementShader>>, String> {
         let Some(last) = self.group.layers.last() else { return Ok(None) };
-        let moves_point = &*last.shader.kind == "displacement";
-        let value = match self.kind {
-            Kind::Displacement if moves_point => displacement::POSITION,
-            Kind::Displacement | Kind::Surface if displacement::has_offset(&last.shader) => {
-                displacement::OFFSET
-            }
+        let moves =
+            |shader: &Shader| displacement::assigns(shader) || displacement::calls(shader, Opcode::Displace);
+        let moves_point = match self.kind {
+            Kind::Displacement | Kind::Surface if displacement::has_offset(&last.shader) => false,
+            Kind::Displacement | Kind::Surface if self.group.layers.iter().any(|l| moves(&l.shader)) => true,
             _ => return Ok(None),
         };
+        let value = if moves_point { displacement::POSITION } else { displacement::OFFSET };
         let mut group = Cow::Borrowed(&self.group);
         if moves_point {
-            group
-                .to_mut()
-                .layers
-                .iter_mut()
-                .for_each(|layer| displacement::expand(Arc::make_mut(&mut layer.shader), Opcode::Displace));
+            for layer in &mut group.to_mut().layers {
+                let shader = Arc::make_mut(&mut layer.shader);
+                if !displacement::assigns(shader) {
+                    displacement::keep_globals(shader);
+                }
+                displacement::expand(shader, Opcode::Displace);
+            }
         }
         let options = PlanOptions {
             outputs: vec![value.to_owned()],

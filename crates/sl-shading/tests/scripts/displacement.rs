@@ -8,6 +8,7 @@ use gnurt_shading::{AttributeRequest, DisplacementShader, Vec3s};
 use gnurt_sl_shading::{Access, Kind, Script};
 
 use crate::floor::{floor, script};
+use crate::kinds::emitted;
 
 /// Offsets of forty points of the floor. Their normal is y; rays go against it when vertices are displaced.
 pub(crate) fn offsets(script: &Script) -> Vec<[f32; 3]> {
@@ -94,6 +95,59 @@ fn surfaces_may_have_offsets() {
     assert_eq!((moved.kind(), moved.warnings()), (Kind::Displacement, &[][..]));
     let why = moved.surface().err().expect("no surface");
     assert!(why.contains("of type displacement"), "{why}");
+}
+
+#[test]
+fn surfaces_may_displace() {
+    check("surface s (float a = 2) { displace (a * u); Ci = diffuse (N); }", |x| [0.0, 2.0 * x, 0.0]);
+    check("surface s () { if (u > 3) displace (vector (1, 0, u)); Ci = diffuse (N); }", |x| {
+        if x > 3.0 { [1.0, 0.0, x] } else { [0.0; 3] }
+    });
+    // What a surface assigns to is its own.
+    check(
+        "surface s (float h = P[0] + 1) { P = 7 * P; N = normal (1, 0, 0); displace (vector (0, h, P[0])); P = 0; Ci = diffuse (N); }",
+        |x| [0.0, x + 1.0, 7.0 * x],
+    );
+    check("surface s () { if (raytype (\"displacement\")) displace (0.5); Ci = emission (); }", |_| {
+        [0.0, 0.5, 0.0]
+    });
+    let plain = script("surface s () { P += N; Ci = diffuse (N); }");
+    assert!(
+        plain.displacement().expect("sound").is_none(),
+        "assignments displace in displacement shaders only"
+    );
+}
+
+/// The files of a group.
+fn group(files: &[(&str, &str)], text: &str) -> Script {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let script = Script::from_text(&folder.path().join("all.oslgroup"), text, &Access::default());
+    script.unwrap_or_else(|why| panic!("{why}"))
+}
+
+#[test]
+fn surfaces_of_displaced_layers_do_not_move_again() {
+    let files = [
+        ("up.osl", "displacement up (output float h = 0) { h = P[0]; P += h * N; N = normal (1, 0, 0); }"),
+        (
+            "look.osl",
+            "surface look (float h = 0) { displace (h); Ci = color (h, P[1], N[1]) * emission (); P = 0; }",
+        ),
+    ];
+    let script = group(&files, "shader up a ; shader look b ; connect a.h b.h ;");
+    assert_eq!(script.kind(), Kind::Surface);
+    for (i, offset) in offsets(&script).into_iter().enumerate() {
+        assert_eq!(offset, [i as f32, i as f32, 0.0], "point {i}: up, then along the normal of the first");
+    }
+    let surface = script.surface().expect("a surface");
+    for (i, light) in emitted(&*surface, &floor(40)).into_iter().enumerate() {
+        assert_eq!(light, Vec3::new(i as f32, 0.0, 1.0), "point {i}: where and as it is given");
+    }
+    let none = group(&files[..1], "shader up a ; shader up b ;");
+    assert_eq!(none.kind(), Kind::Displacement);
 }
 
 #[test]
