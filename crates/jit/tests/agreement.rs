@@ -309,4 +309,6 @@ fn endless_loops_are_stopped() {
 fn parameters_are_constants() {
     let text = "shader test(string kind = \"perlin\", int k = 1, float w[3] = {1, 2, 3}, color c = color (1, 2, 3), output float f = 0, output color o = 0) { f = noise (kind, P) + w[k] + c[k] + u; o[k] = f * c[2]; float s = 0; for (int i = 0; i < k; ++i) s += w[2]; f += s; }";
     assert_eq!(compare(&single_group(text), text), 0, "operations that are left to the interpreter");
+    let text = "shader test(matrix m = matrix (1, 2, 0, 0, 0, 1, 3, 0, 0, 0, 2, 0, 4, 0, 0, 1), int k = 2, output point o = 0, output vector w = 0, output float f = 0) { o = transform (1 / m, P); w = transform (m * 2 / m, vector (P)); matrix a = k / m, b = u / m; f = a[0][1] + b[2][2]; }";
+    assert_eq!(compare(&single_group(text), text), 1, "a quotient that varies is left");
 }

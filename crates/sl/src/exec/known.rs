@@ -4,6 +4,7 @@
 
 use super::compute::{compute, is_computed};
 use super::machine::Step;
+use super::math::quotient;
 use super::scalar::Scalar;
 use super::slot::Slot;
 use super::strings::Strings;
@@ -39,6 +40,10 @@ pub(super) fn data(words: &[u32], slot: &Slot, strings: &Strings) -> Data {
 
 /// The result of an operation, whose type comes first, of known operands; none if it does more than that.
 pub(crate) fn result(code: Opcode, out: Type, operands: &[(Type, &Data)]) -> Option<Data> {
+    // An inverse is of doubles, which the evaluator has not.
+    if let (Opcode::Div, Type::MATRIX, &[(_, a), (Type::MATRIX, b)]) = (code, out, operands) {
+        return quotient(a, b);
+    }
     let is_plain = (code.is_pure() || code.is_indexed()) && !code.is_about_operands() && code.results() == 1;
     let is_value = matches!(out.base, Base::Int | Base::String) || out.base.is_float_based();
     let count: usize = operands.iter().map(|(ty, _)| ty.size()).sum();

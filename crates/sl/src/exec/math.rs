@@ -3,6 +3,7 @@
 
 use super::machine::{D, Machine, Step};
 use super::slot::Slot;
+use crate::hir::Data;
 use crate::types::Type;
 use gnurt_sl_lib::math::vectors;
 use gnurt_sl_lib::spline as curve;
@@ -11,13 +12,30 @@ use gnurt_sl_lib::{Dual, matrix as mx};
 /// A matrix or a number over a matrix.
 pub(super) fn divide(m: &mut Machine<'_>, s: &Step) {
     let [out, a, b, ..] = &*s.args else { return };
-    let inverse = mx::inverse(&m.matrix(b));
     let value = if a.ty == Type::MATRIX {
-        mx::multiply(&m.matrix(a), &inverse)
+        mx::divide(&m.matrix(a), &m.matrix(b))
     } else {
-        mx::scale(&inverse, m.float(a, 0))
+        mx::scale(&mx::inverse(&m.matrix(b)), m.float(a, 0))
     };
     m.set_matrix(out, &value);
+}
+
+/// The same of known values.
+pub(super) fn quotient(a: &Data, b: &Data) -> Option<Data> {
+    let matrix = |data: &Data| match data {
+        Data::Float(list) if list.len() == 16 => {
+            Some([0, 4, 8, 12].map(|i| [0, 1, 2, 3].map(|k| list[i + k])))
+        }
+        _ => None,
+    };
+    let by = matrix(b)?;
+    let value = match (matrix(a), a) {
+        (Some(a), _) => mx::divide(&a, &by),
+        (None, Data::Float(list)) => mx::scale(&mx::inverse(&by), *list.first()?),
+        (None, Data::Int(list)) => mx::scale(&mx::inverse(&by), *list.first()? as f32),
+        _ => return None,
+    };
+    Some(Data::Float(value.as_flattened().to_vec()))
 }
 
 pub(super) fn determinant(m: &mut Machine<'_>, s: &Step) {
