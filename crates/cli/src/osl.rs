@@ -5,7 +5,7 @@
 use std::io::{BufWriter, stderr, stdout};
 use std::path::Path;
 
-use gnurt_sl::tools::{Console, tool};
+use gnurt_sl_tools::{Console, tool};
 
 use crate::command_line::command_line;
 

@@ -2,9 +2,9 @@
 //! Machine code as an engine of `testshade`.
 
 use gnurt_simd::Level;
+use gnurt_sl::engine::Batch;
 use gnurt_sl::exec::{Event, Host, Plan, Points};
 use gnurt_sl::hir::Data;
-use gnurt_sl::tools::Batch;
 use gnurt_sl::types::Type;
 use std::sync::Arc;
 

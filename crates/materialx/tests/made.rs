@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use gnurt_materialx::{Document, Shader};
-use gnurt_sl::tools::{Console, tool};
+use gnurt_sl_tools::{Console, tool};
 
 /// The document of these elements.
 pub(crate) fn document(elements: &str) -> String {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! OSL's tools in one small program: called by a link named `oslc`, `oslinfo` or `testshade`, or with that as first word.
 
-use gnurt_sl::tools::{Console, tool};
 use gnurt_sl_shading::StoredTextures;
+use gnurt_sl_tools::{Console, tool};
 use std::io::{BufWriter, stderr, stdout};
 
 fn main() {

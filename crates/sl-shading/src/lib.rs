@@ -27,6 +27,7 @@ mod parameter;
 mod parts;
 mod pixel;
 mod properties;
+mod reader;
 mod recipe;
 mod script;
 mod sky;

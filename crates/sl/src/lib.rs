@@ -12,6 +12,7 @@ pub mod budget;
 pub mod check;
 mod compile;
 pub mod diagnostics;
+pub mod engine;
 pub mod exec;
 pub mod format;
 pub mod group;
@@ -24,8 +25,8 @@ pub mod parse;
 pub mod passes;
 pub mod preprocess;
 pub mod source;
+pub mod stored;
 pub mod token;
-pub mod tools;
 pub mod types;
 
 pub use compile::{Compiled, Options, compile, preprocess as preprocess_only};

@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 32] = [
+const ARROWS: [(&str, &[&str]); 33] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -42,9 +42,10 @@ const ARROWS: [(&str, &[&str]); 32] = [
     ("view", &["gnurt"]),
     ("plugins", &["gnurt"]),
     ("sl", &["sl-lib"]),
+    ("sl-tools", &["sl", "sl-lib"]),
     ("jit", &["simd", "sl-lib", "sl"]),
     ("osl", &["simd", "sl-lib", "sl", "jit"]),
-    ("cli", &["gnurt", "bench", "view", "plugins", "sl", "jit"]),
+    ("cli", &["gnurt", "bench", "view", "plugins", "sl-tools", "jit"]),
     ("anari", &["gnurt"]),
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),

@@ -17,7 +17,7 @@ use gnurt_image::udim::{COLUMNS, ROWS, is_tiled, tile_name, tiles};
 use gnurt_image::{Stored, read_stored};
 use gnurt_sl::exec::TextureOptions;
 use gnurt_sl::hir::Data;
-use gnurt_sl::tools::Textures;
+use gnurt_sl::stored::Textures;
 use gnurt_sl::types::Type;
 use gnurt_sl_lib::Dual;
 

@@ -5,7 +5,7 @@
 use gnurt_image::{Picture, PictureFormat, WriteOptions, encode};
 use gnurt_sl::exec::TextureOptions;
 use gnurt_sl::hir::Data;
-use gnurt_sl::tools::Textures;
+use gnurt_sl::stored::Textures;
 use gnurt_sl::types::Type;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_shading::StoredTextures;

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use gnurt_sl::exec::{Subimage, TextureOptions};
-use gnurt_sl::tools::Textures;
+use gnurt_sl::stored::Textures;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_shading::{Access, Script, StoredTextures};
 

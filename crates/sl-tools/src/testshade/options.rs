@@ -2,8 +2,8 @@
 //! The command line.
 //! The options are those of OSL's `testshade`, with one or two dashes.
 
-use crate::group::{Hint, Value, parse_value};
-use crate::types::{Base, Type};
+use gnurt_sl::group::{Hint, Value, parse_value};
+use gnurt_sl::types::{Base, Type};
 
 pub(super) const USAGE: &str = "\
 testshade -- runs shaders

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Prints the output of shaders, without recent repetitions. The rule for repetitions is OSL's.
 
-use crate::exec::Event;
-use crate::tools::console::Console;
+use crate::console::Console;
+use gnurt_sl::exec::Event;
 use std::collections::VecDeque;
 use std::io::Write;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The output of a tool: two streams whose texts keep their order; and the program's services.
 
-use super::engine::Engine;
-use super::textures::Textures;
+use gnurt_sl::engine::Engine;
+use gnurt_sl::stored::Textures;
 use std::io::Write;
 
 /// Standard output and standard error, or their replacement in a test.

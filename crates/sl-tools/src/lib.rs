@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! OSL's command-line tools: `gnurt oslc`, `gnurt oslinfo` and `gnurt testshade`, with OSL's options and
-//! output. Options and output are those of OSL's tools.
+//! output. They read and write files; the language's crate opens none.
+#![forbid(unsafe_code)]
 
 mod console;
-mod engine;
 mod oslc;
 mod oslinfo;
 mod picture;
 mod testshade;
-mod textures;
 
 pub use console::Console;
-pub use engine::{Batch, Engine};
 pub use oslc::oslc;
 pub use oslinfo::oslinfo;
 pub use testshade::testshade;
-pub use textures::Textures;
 
 /// The tool of a name.
 #[must_use]

@@ -4,11 +4,11 @@
 
 use super::clouds::Clouds;
 use super::options::Options;
-use crate::exec::{ClosureDecl, ClosureParam, Given, Host, Point, TextureOptions, TraceOptions};
-use crate::group::Value;
-use crate::hir::Data;
-use crate::tools::textures::Textures;
-use crate::types::{Base, Type};
+use gnurt_sl::exec::{ClosureDecl, ClosureParam, Given, Host, Point, TextureOptions, TraceOptions};
+use gnurt_sl::group::Value;
+use gnurt_sl::hir::Data;
+use gnurt_sl::stored::Textures;
+use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::color::ColorSystem;
 use gnurt_sl_lib::points::{Column, PointCloud};
 use gnurt_sl_lib::{Dual, matrix as mx};
@@ -183,7 +183,7 @@ impl Host for World<'_> {
         match name {
             "osl:version" => {
                 return if ty == Type::INT {
-                    some(Data::Int(vec![crate::VERSION_CODE as i32]))
+                    some(Data::Int(vec![gnurt_sl::VERSION_CODE as i32]))
                 } else {
                     None
                 };

@@ -3,13 +3,13 @@
 //! The words are OSL's.
 
 use super::options::{Options, Setup};
-use crate::compile::{Options as CompileOptions, compile};
-use crate::diagnostics::Style;
-use crate::exec::unknown_operation;
-use crate::group::{Group, Hint, Value, read_group, write_group};
-use crate::ir::{Shader, read};
-use crate::tools::console::Console;
-use crate::tools::oslc::{load, standard_folders};
+use crate::console::Console;
+use crate::oslc::{load, standard_folders};
+use gnurt_sl::diagnostics::Style;
+use gnurt_sl::exec::unknown_operation;
+use gnurt_sl::group::{Group, Hint, Value, read_group, write_group};
+use gnurt_sl::ir::{Shader, read};
+use gnurt_sl::{Options as CompileOptions, compile};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -192,7 +192,8 @@ fn describe(group: &Group, options: &Options, console: &mut Console<'_>) {
         console.print(&format!("    {}\n", layer.name));
         if options.query {
             for (_, symbol) in layer.shader.params() {
-                let output = if symbol.kind == crate::ir::SymbolKind::OutputParam { "output " } else { "" };
+                let output =
+                    if symbol.kind == gnurt_sl::ir::SymbolKind::OutputParam { "output " } else { "" };
                 let ty = symbol.ty.display(&layer.shader.structs);
                 console.print(&format!("\t{output}{ty} {}\n", symbol.name));
             }

@@ -3,10 +3,10 @@
 //! Options and output are those of OSL's `oslinfo`.
 
 use super::console::Console;
-use crate::format::{escape, general};
-use crate::hir::{Data, Meta};
-use crate::ir::{Shader, Symbol, read};
-use crate::types::{Base, Type};
+use gnurt_sl::format::{escape, general};
+use gnurt_sl::hir::{Data, Meta};
+use gnurt_sl::ir::{Shader, Symbol, read};
+use gnurt_sl::types::{Base, Type};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -117,7 +117,7 @@ fn describe(shader: &Shader, verbose: bool, only: Option<&str>) -> String {
 }
 
 fn parameter(out: &mut String, shader: &Shader, symbol: &Symbol, verbose: bool) {
-    let output = if symbol.kind == crate::ir::SymbolKind::OutputParam { "output " } else { "" };
+    let output = if symbol.kind == gnurt_sl::ir::SymbolKind::OutputParam { "output " } else { "" };
     let spec = symbol.ty.struct_id().and_then(|id| shader.structs.get(id));
     let ty = spec.map_or_else(|| type_keyword(symbol.ty), |s| format!("struct {}", s.name));
     if verbose {

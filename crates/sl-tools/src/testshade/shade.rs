@@ -5,16 +5,16 @@
 use super::options::{Options, Setup};
 use super::report::{Recent, report};
 use super::world::World;
-use crate::exec::{Event, LANES, Machine, Plan, PlanOptions, Points};
-use crate::format::general;
-use crate::group::Group;
-use crate::hir::Data;
-use crate::ir::{SymId, SymbolKind, ops, uses};
-use crate::opcode::Opcode;
-use crate::tools::console::Console;
-use crate::tools::engine::Batch;
-use crate::tools::picture::Picture;
-use crate::types::Type;
+use crate::console::Console;
+use crate::picture::Picture;
+use gnurt_sl::engine::Batch;
+use gnurt_sl::exec::{Event, LANES, Machine, Plan, PlanOptions, Points};
+use gnurt_sl::format::general;
+use gnurt_sl::group::Group;
+use gnurt_sl::hir::Data;
+use gnurt_sl::ir::{SymId, SymbolKind, ops, uses};
+use gnurt_sl::opcode::Opcode;
+use gnurt_sl::types::Type;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

@@ -3,9 +3,9 @@
 //! Options and output are those of OSL's `oslc`.
 
 use super::console::Console;
-use crate::compile::{Compiled, Options, compile, preprocess};
-use crate::diagnostics::Style;
-use crate::ir::write;
+use gnurt_sl::diagnostics::Style;
+use gnurt_sl::ir::write;
+use gnurt_sl::{Compiled, Options, compile, preprocess_only as preprocess};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
