@@ -121,6 +121,18 @@ pub struct Expr {
     pub loc: Loc,
 }
 
+impl Expr {
+    /// The variable that it names, or names a part of.
+    #[must_use]
+    pub fn root(&self) -> Option<VarId> {
+        match &self.kind {
+            ExprKind::Var(id) => Some(*id),
+            ExprKind::Field(base, _) | ExprKind::Index(base, _) => base.root(),
+            _ => None,
+        }
+    }
+}
+
 /// A call of a function of the library.
 #[derive(Clone, Debug)]
 pub struct Builtin {

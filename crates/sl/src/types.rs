@@ -213,7 +213,36 @@ impl Type {
     }
 }
 
+/// The letters of types in signatures and `.oso` files.
+const LETTERS: [(char, Base); 10] = [
+    ('x', Base::Void),
+    ('i', Base::Int),
+    ('f', Base::Float),
+    ('c', Base::Color),
+    ('p', Base::Point),
+    ('v', Base::Vector),
+    ('n', Base::Normal),
+    ('m', Base::Matrix),
+    ('s', Base::String),
+    ('C', Base::Closure),
+];
+
 impl Base {
+    /// The base of a letter in signatures and `.oso` files; unknown if it has none.
+    #[must_use]
+    pub fn of_letter(letter: char) -> Self {
+        LETTERS.iter().find(|known| known.0 == letter).map_or(Self::Unknown, |known| known.1)
+    }
+
+    /// The letter, and for a struct its number.
+    #[must_use]
+    pub fn letters(self) -> String {
+        match self {
+            Self::Struct(id) => format!("S{}", id + 1),
+            _ => LETTERS.iter().find(|known| known.1 == self).map_or('x', |known| known.0).to_string(),
+        }
+    }
+
     /// Colour, point, vector or normal.
     #[must_use]
     pub const fn is_triple(self) -> bool {

@@ -8,15 +8,6 @@ use crate::hir::{Expr, ExprKind, VarId, VarKind};
 use crate::source::Loc;
 use crate::types::Type;
 
-/// The variable that an expression names a part of.
-pub(super) fn root(e: &Expr) -> Option<VarId> {
-    match &e.kind {
-        ExprKind::Var(id) => Some(*id),
-        ExprKind::Field(base, _) | ExprKind::Index(base, _) => root(base),
-        _ => None,
-    }
-}
-
 /// Whether a written number 0 means the empty closure here.
 pub(super) fn is_empty_closure(to: Type, e: &Expr) -> bool {
     let zero = match e.kind {
@@ -39,7 +30,7 @@ impl Checker<'_> {
 
     /// The read-only variable that `target` is a part of.
     pub(super) fn read_only(&self, target: &Expr) -> Option<VarId> {
-        root(target).filter(|id| self.readonly.contains(id))
+        target.root().filter(|id| self.readonly.contains(id))
     }
 
     fn writable(&mut self, target: &Expr, loc: Loc) {
@@ -47,7 +38,7 @@ impl Checker<'_> {
             let message = format!("cannot write to non-output parameter \"{}\"", self.plain_name(id));
             self.early_warning(loc, message);
         } else if let Some(id) =
-            root(target).filter(|&id| self.program.vars[id as usize].kind == VarKind::Param)
+            target.root().filter(|&id| self.program.vars[id as usize].kind == VarKind::Param)
         {
             let name = self.plain_name(id).to_owned();
             let message = format!("cannot write to non-output parameter \"{name}\"");

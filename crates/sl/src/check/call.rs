@@ -141,7 +141,7 @@ impl Checker<'_> {
         }
         let effects = super::special::effects(signature, &args);
         for (i, arg) in args.iter().enumerate().filter(|(i, _)| effects.writes & (1_u64 << (i & 63)) != 0) {
-            if super::assignment::root(arg).is_none() && !matches!(arg.kind, ExprKind::Error) {
+            if arg.root().is_none() && !matches!(arg.kind, ExprKind::Error) {
                 let message =
                     format!("Argument {} of {} is written to and must be a variable", i + 1, signature.name);
                 self.error(arg.loc, message);

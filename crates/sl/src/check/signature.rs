@@ -100,19 +100,7 @@ fn formal_of(rest: &mut &str) -> Formal {
 /// The type of the first code, which is taken off.
 pub(super) fn type_of(rest: &mut &str) -> Type {
     let mut chars = rest.chars();
-    let base = match chars.next() {
-        Some('x') => Base::Void,
-        Some('i') => Base::Int,
-        Some('f') => Base::Float,
-        Some('c') => Base::Color,
-        Some('p') => Base::Point,
-        Some('v') => Base::Vector,
-        Some('n') => Base::Normal,
-        Some('m') => Base::Matrix,
-        Some('s') => Base::String,
-        Some('C') => Base::Closure,
-        _ => Base::Unknown,
-    };
+    let base = chars.next().map_or(Base::Unknown, Base::of_letter);
     *rest = chars.as_str();
     if let Some(after) = rest.strip_prefix("[]") {
         *rest = after;

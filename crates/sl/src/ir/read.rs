@@ -200,22 +200,12 @@ impl Reader {
         };
         let mut rest = codes.chars().peekable();
         for field in &mut spec.fields {
-            let base = match rest.next() {
-                Some('i') => Base::Int,
-                Some('f') => Base::Float,
-                Some('c') => Base::Color,
-                Some('p') => Base::Point,
-                Some('v') => Base::Vector,
-                Some('n') => Base::Normal,
-                Some('m') => Base::Matrix,
-                Some('s') => Base::String,
-                Some('C') => Base::Closure,
-                Some('S') => {
-                    while rest.next_if(char::is_ascii_digit).is_some() {}
-                    Base::Unknown
-                }
-                _ => Base::Unknown,
-            };
+            let letter = rest.next().unwrap_or('x');
+            if letter == 'S' {
+                while rest.next_if(char::is_ascii_digit).is_some() {}
+            }
+            let base =
+                Some(Base::of_letter(letter)).filter(|&base| base != Base::Void).unwrap_or(Base::Unknown);
             let mut array = 0;
             if rest.next_if_eq(&'[').is_some() {
                 let mut digits = String::new();

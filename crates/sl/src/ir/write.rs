@@ -8,7 +8,7 @@ use super::visit::Use;
 use crate::format::{escape, general};
 use crate::hir::{Data, Meta};
 use crate::opcode::Opcode;
-use crate::types::{Base, Structs, Type};
+use crate::types::{Structs, Type};
 use std::fmt::Write as _;
 
 /// The text of a shader. `options` goes into a comment, as OSL's compiler does.
@@ -109,19 +109,7 @@ fn metadatum(out: &mut String, meta: &Meta, structs: &Structs) {
 
 /// The one-letter codes of a type.
 fn code(ty: Type) -> String {
-    let letter = match ty.base {
-        Base::Void | Base::Unknown => "x".to_owned(),
-        Base::Int => "i".to_owned(),
-        Base::Float => "f".to_owned(),
-        Base::Color => "c".to_owned(),
-        Base::Point => "p".to_owned(),
-        Base::Vector => "v".to_owned(),
-        Base::Normal => "n".to_owned(),
-        Base::Matrix => "m".to_owned(),
-        Base::String => "s".to_owned(),
-        Base::Closure => "C".to_owned(),
-        Base::Struct(id) => format!("S{}", id + 1),
-    };
+    let letter = ty.base.letters();
     match ty.array {
         0 => letter,
         n if n < 0 => format!("{letter}[]"),

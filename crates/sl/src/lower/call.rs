@@ -30,15 +30,7 @@ impl Lowerer<'_> {
         for (arg, (formal, output)) in args.iter().zip(&function.formals) {
             let expected = program.vars[*formal as usize].ty;
             let value = if *output {
-                let target = self.target(arg);
-                let value = match Self::whole(&target) {
-                    Some(whole) => self.writable(whole, loc),
-                    None => {
-                        let value = self.load(&target, loc);
-                        stores.push((target, value.clone()));
-                        value
-                    }
-                };
+                let value = self.written(arg, &mut stores, loc);
                 written.extend(value.leaves.iter());
                 value
             } else {
@@ -86,6 +78,17 @@ impl Lowerer<'_> {
         out
     }
 
+    /// An argument that the call may change; one without a symbol of its own is stored afterwards.
+    fn written(&mut self, arg: &Expr, stores: &mut Vec<(Target, Value)>, loc: Loc) -> Value {
+        let target = self.target(arg);
+        if let Some(whole) = Self::whole(&target) {
+            return self.writable(whole, loc);
+        }
+        let value = self.load(&target, loc);
+        stores.push((target, value.clone()));
+        value
+    }
+
     /// A value that the function's body cannot change from outside.
     fn by_value(&mut self, value: Value, written: &HashSet<SymId>, loc: Loc) -> Value {
         if value.leaves.iter().all(|s| !written.contains(s)) {
@@ -103,15 +106,7 @@ impl Lowerer<'_> {
             let formal = call.formals[i];
             let writes = i < 64 && call.writes & (1 << i) != 0;
             let value = if writes && !matches!(arg.kind, ExprKind::Error) {
-                let target = self.target(arg);
-                match Self::whole(&target) {
-                    Some(whole) => self.writable(whole, loc),
-                    None => {
-                        let value = self.load(&target, loc);
-                        stores.push((target, value.clone()));
-                        value
-                    }
-                }
+                self.written(arg, &mut stores, loc)
             } else {
                 let value = self.expr(arg, None);
                 if formal.is_unknown() || formal == Type::CLOSURE {

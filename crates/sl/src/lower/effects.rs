@@ -22,14 +22,6 @@ struct Own {
     called: Vec<FuncId>,
 }
 
-fn root(e: &Expr) -> Option<VarId> {
-    match &e.kind {
-        ExprKind::Var(id) => Some(*id),
-        ExprKind::Field(base, _) | ExprKind::Index(base, _) => root(base),
-        _ => None,
-    }
-}
-
 impl Effects {
     /// The variables that a function writes. Called functions are visited by a list, because chains of calls
     /// may be long.
@@ -93,18 +85,18 @@ impl Own {
     fn expr(&mut self, program: &Program, e: &Expr) {
         match &e.kind {
             ExprKind::Assign(target, value) => {
-                self.written.extend(root(target));
+                self.written.extend(target.root());
                 self.expr(program, target);
                 self.expr(program, value);
             }
             ExprKind::Before(_, target) | ExprKind::After(_, target) => {
-                self.written.extend(root(target));
+                self.written.extend(target.root());
                 self.expr(program, target);
             }
             ExprKind::Call(func, args) => {
                 for (arg, formal) in args.iter().zip(&program.funcs[*func as usize].formals) {
                     if formal.1 {
-                        self.written.extend(root(arg));
+                        self.written.extend(arg.root());
                     }
                     self.expr(program, arg);
                 }
@@ -113,7 +105,7 @@ impl Own {
             ExprKind::Builtin(call) => {
                 for (i, arg) in call.args.iter().enumerate() {
                     if i < 64 && call.writes & (1 << i) != 0 {
-                        self.written.extend(root(arg));
+                        self.written.extend(arg.root());
                     }
                     self.expr(program, arg);
                 }
