@@ -5,7 +5,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
+use gnurt_simd::{Simd, f32x8, f32x16, f64x8, prelude::*};
 
 /// Components of a direction are at least this much of the longest.
 pub const FLATTEST: f32 = 1.0 / (1 << 30) as f32;
@@ -51,6 +51,23 @@ impl Number for f32 {
     }
 }
 
+impl Number for f64 {
+    #[inline(always)]
+    fn size(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn or_more(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn signed_as(self, other: Self) -> Self {
+        self.copysign(other)
+    }
+}
+
 macro_rules! lanes_are_numbers {
     ($($lanes:ident)*) => {$(
         impl<S: Simd> Number for $lanes<S> {
@@ -72,7 +89,7 @@ macro_rules! lanes_are_numbers {
     )*};
 }
 
-lanes_are_numbers!(f32x8 f32x16);
+lanes_are_numbers!(f32x8 f32x16 f64x8);
 
 #[cfg(test)]
 mod tests {

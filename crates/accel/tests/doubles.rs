@@ -126,6 +126,30 @@ fn every_ray_is_decided_as_by_integers() {
 }
 
 #[test]
+fn batches_are_as_single_rays() {
+    let mesh = Mesh::torus(12);
+    let mut random = Random::new(35);
+    let scene = scene(&mesh, 1e6, &BuildOptions::default());
+    // Runs of rays side by side, which meet the same triangle, then one that is cut short before it.
+    let mut asked = Vec::new();
+    for (org, dir) in rays(&mesh, &mut random, 2000) {
+        let first = ray(org, dir, 1e6);
+        for i in 0..4 {
+            asked.push(DoubleRay { org: first.org.map(|x| x + 1e-4 * f64::from(i)), ..first });
+        }
+        let t = scene.intersect(&first).map_or(0.5, |hit| hit.t);
+        asked.push(first.within(0.0, 0.999 * t));
+        asked.push(DoubleRay { dir: first.dir.map(|x| -x), ..first });
+    }
+    let occluded: Vec<bool> = asked.iter().map(|ray| scene.occluded(ray)).collect();
+    let hits: Vec<_> = asked.iter().map(|ray| scene.intersect(ray)).collect();
+    let met = occluded.iter().filter(|hit| **hit).count();
+    assert!(met > asked.len() / 4 && met < 3 * asked.len() / 4, "some meet it: {met} of {}", asked.len());
+    assert!(scene.occluded_batch(&asked, Threads::Single) == occluded, "any hit");
+    assert!(scene.intersect_batch(&asked, Threads::Single) == hits, "closest hits");
+}
+
+#[test]
 fn the_lowest_number_counts_at_one_place() {
     let mesh = Mesh::torus(12);
     let mut random = Random::new(34);

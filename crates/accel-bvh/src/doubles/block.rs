@@ -9,9 +9,10 @@
 //! Tests: `tests/doubles.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::INVALID_ID;
+use gnurt_accel_core::exact::{Along, LOST_SLOPE, Meeting, PLAIN};
 use gnurt_simd::{Simd, f64x8, prelude::*};
 
-use super::line::Lanes;
+use super::line::{Given, Lanes};
 use crate::node::WIDTH;
 
 /// Eight triangles.
@@ -46,7 +47,60 @@ impl Iterator for Candidates {
     }
 }
 
+impl Candidates {
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.open == 0
+    }
+
+    /// Those of these lanes.
+    #[inline(always)]
+    pub(super) fn of(self, lanes: u32) -> Self {
+        Self { open: self.open & lanes, certain: self.certain }
+    }
+}
+
+/// Where a line meets the planes of a block's triangles, by lane.
+pub(super) struct Alongs<S: Simd> {
+    t: f64x8<S>,
+    off: f64x8<S>,
+}
+
+impl<S: Simd> Alongs<S> {
+    /// Lanes that are not certainly out of an interval, as bits.
+    #[inline(always)]
+    pub(super) fn within(&self, near: f64, far: f64) -> u32 {
+        let is_beyond = (self.t + self.off).simd_lt(near) | (self.t - self.off).simd_gt(far);
+        !is_beyond.to_bitmask() as u32
+    }
+
+    #[inline(always)]
+    pub(super) fn at(&self, lane: usize) -> Along {
+        Along { t: self.t[lane & (WIDTH - 1)], off: self.off[lane & (WIDTH - 1)] }
+    }
+}
+
 impl DoubleBlock {
+    /// Where the line meets the planes of the triangles.
+    #[inline(always)]
+    pub(super) fn alongs<S: Simd>(&self, simd: S, line: &Given<S>) -> Alongs<S> {
+        let splat = |x: f64| f64x8::splat(simd, x);
+        let row = |corner: usize, k: usize| f64x8::from_slice(simd, &self.corners[corner][k]);
+        let corners = [
+            [row(0, 0), row(0, 1), row(0, 2)],
+            [row(1, 0), row(1, 1), row(1, 2)],
+            [row(2, 0), row(2, 1), row(2, 2)],
+        ];
+        let met = Meeting::new(corners, line.org, line.dir, splat);
+        let off = met.off(splat);
+        let lies = |x: f64x8<S>| x.simd_ge(PLAIN.start) & x.simd_lt(PLAIN.end);
+        let is_plain = lies(met.size)
+            & lies(met.area)
+            & met.of_slope.simd_le(met.size * splat(LOST_SLOPE))
+            & off.simd_lt(f64::INFINITY);
+        Alongs { t: met.t, off: is_plain.select(off, splat(f64::INFINITY)) }
+    }
+
     /// Of numbers of triangles and their corners; `INVALID_ID` where there is none.
     pub(super) fn new(corners: impl Fn(u32) -> [[f64; 3]; 3], numbers: &[u32; WIDTH]) -> Self {
         let mut block = Self { corners: [[[0.0; WIDTH]; 3]; 3], numbers: *numbers, used: 0 };

@@ -161,3 +161,20 @@ impl<S: Simd> Lanes<S> {
         }
     }
 }
+
+/// A line as it was given, in lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Given<S: Simd> {
+    pub(super) org: [f64x8<S>; 3],
+    pub(super) dir: [f64x8<S>; 3],
+}
+
+impl<S: Simd> Given<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, [x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> Self {
+        Self {
+            org: [f64x8::splat(simd, x), f64x8::splat(simd, y), f64x8::splat(simd, z)],
+            dir: [f64x8::splat(simd, u), f64x8::splat(simd, v), f64x8::splat(simd, w)],
+        }
+    }
+}

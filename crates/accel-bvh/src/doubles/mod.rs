@@ -14,3 +14,4 @@ mod rays;
 
 pub use index::{DoubleBoxes, DoubleIndex};
 pub use line::DoubleLine;
+pub use rays::Last as LastMet;

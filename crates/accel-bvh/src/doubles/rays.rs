@@ -1,17 +1,48 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The closest hit and any hit among triangles in double precision, each one kernel for each level.
-//! What lanes leave open is decided at once, in doubles or exactly.
-//! Invariant: of triangles that a line meets at one place the lowest number counts. Tests: `tests/doubles.rs` of `gnurt-accel`.
+//! What lanes leave open is decided at once, in doubles or exactly. Lines of a batch are often side by side: the triangle that
+//! the last one met is tested first where that has paid.
+//! Invariant: of triangles that a line meets at one place the lowest number counts; no answer depends on lines before.
+//! Tests: `tests/doubles.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::INVALID_ID;
-use gnurt_accel_core::exact::{Corners, Line};
+use gnurt_accel_core::exact::{Along, Corners, Line};
 use gnurt_simd::{Level, Simd, dispatch};
 
 use super::index::DoubleIndex;
-use super::line::{DoubleLine, Lanes, Prepared};
-use crate::node::Child;
+use super::line::{DoubleLine, Given, Lanes, Prepared};
+use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::walk::{walk, walk_any};
+
+/// The triangle that the last line met.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Last {
+    /// `WIDTH` times its block, and its lane.
+    place: u32,
+    /// How often the next line met it, too, of late.
+    trust: u8,
+}
+
+impl Last {
+    const MOST: u8 = 3;
+
+    /// After a line that met the triangle at `place`.
+    #[inline(always)]
+    fn met(&mut self, place: u32) {
+        if self.place == place {
+            self.trust = (self.trust + 1).min(Self::MOST);
+        } else {
+            *self = Self { place, trust: self.trust.saturating_sub(1) };
+        }
+    }
+
+    /// After a line that met none.
+    #[inline(always)]
+    fn missed(&mut self) {
+        self.trust = self.trust.saturating_sub(1);
+    }
+}
 
 /// The nearest triangle so far.
 #[derive(Clone, Copy)]
@@ -24,8 +55,25 @@ struct Best {
 impl Best {
     /// Whether the line meets a triangle before the best one, in whose place it then is. `is_certain`: the line passes inside.
     #[inline(always)]
-    fn is_improved(&mut self, line: &Line, number: u32, corners: &[[f64; 3]; 3], is_certain: bool) -> bool {
-        let Some(t) = line.meets_before(&Corners::plain(corners), self.reach(), is_certain) else {
+    fn is_improved(
+        &mut self,
+        line: &Line,
+        number: u32,
+        corners: &[[f64; 3]; 3],
+        is_certain: bool,
+        along: Option<Along>,
+    ) -> bool {
+        if number == self.number {
+            return false;
+        }
+        let plain = Corners::plain(corners);
+        let met = match along {
+            Some(along) => (is_certain || line.touches(&plain))
+                .then(|| line.meets_along(&plain, &along, self.reach()))
+                .flatten(),
+            None => line.meets_before(&plain, self.reach(), is_certain),
+        };
+        let Some(t) = met else {
             return false;
         };
         if self.number != INVALID_ID {
@@ -41,6 +89,12 @@ impl Best {
     #[inline(always)]
     fn reach(&self) -> f64 {
         DoubleIndex::reach(self.t)
+    }
+
+    /// The end of the line, or [`reach`](Self::reach) where it met one.
+    #[inline(always)]
+    fn far(&self) -> f64 {
+        if self.number == INVALID_ID { self.t } else { self.reach() }
     }
 }
 
@@ -58,7 +112,7 @@ impl DoubleIndex {
         let mut best = Best { t: line.far, number: INVALID_ID, corners: [[0.0; 3]; 3] };
         if self.over.tree.nodes.is_empty() {
             self.search(level, &exact(line), line.far, &mut |(number, corners, is_certain)| {
-                best.is_improved(line, number, corners, is_certain);
+                best.is_improved(line, number, corners, is_certain, None);
                 best.reach()
             });
         } else {
@@ -73,9 +127,12 @@ impl DoubleIndex {
 
     /// Whether the line meets any triangle.
     #[must_use]
-    pub fn is_met(&self, level: Level, line: &Line) -> bool {
+    pub fn is_met(&self, level: Level, line: &Line, last: &mut Last) -> bool {
         if !self.over.tree.nodes.is_empty() {
-            return dispatch!(level, simd => self.is_met_with(simd, line));
+            if last.trust > 0 && line.is_blocked(&Corners::plain(&self.corners_at(last.place)), false) {
+                return true;
+            }
+            return dispatch!(level, simd => self.is_met_with(simd, line, last));
         }
         let mut is_met = false;
         self.search(level, &exact(line), line.far, &mut |(_, corners, is_certain)| {
@@ -86,12 +143,19 @@ impl DoubleIndex {
     }
 
     #[inline(always)]
+    fn corners_at(&self, place: u32) -> [[f64; 3]; 3] {
+        let place = place as usize;
+        self.over.blocks[place / WIDTH].corners(place % WIDTH)
+    }
+
+    #[inline(always)]
     fn closest_with<S: Simd>(&self, simd: S, line: &Line, best: &mut Best) {
         let over = &self.over;
         let Some(prepared) = Prepared::new(&exact(line), &over.grid, over.greatest) else { return };
-        let lanes = Lanes::new(simd, &prepared);
+        let (lanes, given) = (Lanes::new(simd, &prepared), Given::new(simd, line.org, line.dir));
         let for_nodes = NodeRay::new(simd, &prepared.for_nodes, prepared.greatest);
-        let (mut reach, mut depth) = (prepared.reach(line.far), prepared.depth(line.far));
+        let far = best.far();
+        let (mut reach, mut depth) = (prepared.reach(far), prepared.depth(far));
         walk(
             &crate::walk::Ahead { tree: &over.tree, blocks: &over.blocks },
             simd,
@@ -101,8 +165,15 @@ impl DoubleIndex {
             #[inline(always)]
             |range| {
                 for block in &over.blocks[range] {
-                    for (lane, is_certain) in block.candidates(simd, &lanes, depth) {
-                        if best.is_improved(line, block.numbers[lane], &block.corners(lane), is_certain) {
+                    let candidates = block.candidates(simd, &lanes, depth);
+                    if candidates.is_empty() {
+                        continue;
+                    }
+                    let alongs = block.alongs(simd, &given);
+                    for (lane, is_certain) in candidates.of(alongs.within(line.near, best.far())) {
+                        let number = block.numbers[lane];
+                        let along = Some(alongs.at(lane));
+                        if best.is_improved(line, number, &block.corners(lane), is_certain, along) {
                             let far = best.reach();
                             (reach, depth) = (prepared.reach(far), prepared.depth(far));
                         }
@@ -114,13 +185,13 @@ impl DoubleIndex {
     }
 
     #[inline(always)]
-    fn is_met_with<S: Simd>(&self, simd: S, line: &Line) -> bool {
+    fn is_met_with<S: Simd>(&self, simd: S, line: &Line, last: &mut Last) -> bool {
         let over = &self.over;
         let Some(prepared) = Prepared::new(&exact(line), &over.grid, over.greatest) else { return false };
-        let lanes = Lanes::new(simd, &prepared);
+        let (lanes, given) = (Lanes::new(simd, &prepared), Given::new(simd, line.org, line.dir));
         let for_nodes = NodeRay::new(simd, &prepared.for_nodes, prepared.greatest);
         let (reach, depth) = (prepared.reach(line.far), prepared.depth(line.far));
-        let mut is_met = false;
+        let mut met = None;
         walk_any(
             &crate::walk::Ahead { tree: &over.tree, blocks: &over.blocks },
             simd,
@@ -129,10 +200,19 @@ impl DoubleIndex {
             reach,
             #[inline(always)]
             |range| {
-                for block in &over.blocks[range] {
-                    for (lane, is_certain) in block.candidates(simd, &lanes, depth) {
-                        if line.is_blocked(&Corners::plain(&block.corners(lane)), is_certain) {
-                            is_met = true;
+                for (i, block) in range.clone().zip(&over.blocks[range]) {
+                    let candidates = block.candidates(simd, &lanes, depth);
+                    if candidates.is_empty() {
+                        continue;
+                    }
+                    let alongs = block.alongs(simd, &given);
+                    for (lane, is_certain) in candidates.of(alongs.within(line.near, line.far)) {
+                        let corners = &block.corners(lane);
+                        let plain = Corners::plain(corners);
+                        if (is_certain || line.touches(&plain))
+                            && line.is_blocked_along(&plain, &alongs.at(lane))
+                        {
+                            met = Some((WIDTH * i + lane) as u32);
                             return false;
                         }
                     }
@@ -140,7 +220,11 @@ impl DoubleIndex {
                 true
             },
         );
-        is_met
+        match met {
+            Some(place) => last.met(place),
+            None => last.missed(),
+        }
+        met.is_some()
     }
 }
 

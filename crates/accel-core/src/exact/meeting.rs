@@ -11,6 +11,7 @@ use super::dyadic::Dyadic;
 use super::line::{Edge, Line, away, certain, cross_of, largest};
 use super::number::{Formula, Number, V3, cross, dot, minus, of, sign};
 use super::path::{InstancePath, Triangle, UNIT};
+use super::plane::{LOST_SLOPE, Meeting, PLAIN};
 use super::twice::Twice;
 
 /// The relative error that the parameter may have in doubles.
@@ -22,9 +23,6 @@ const FINE_WEIGHT: f64 = 1e-10;
 /// Parameters that differ by less of themselves are compared by more precise numbers.
 const ALIKE: f64 = 4e-13;
 
-/// Beyond these, products of doubles underflow or overflow.
-const PLAIN: std::ops::Range<f64> = 1e-200..1e200;
-
 /// Numbers of twice the precision are good for sums that lose this much to cancellation.
 const LOST: f64 = 1e-14;
 
@@ -32,10 +30,10 @@ const EDGES: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
 /// Where a line meets the plane of a triangle, in doubles.
 #[derive(Clone, Copy)]
-struct Along {
-    t: f64,
+pub struct Along {
+    pub t: f64,
     /// A bound of the error of `t`, if the line passes through the triangle; infinite where doubles tell nothing.
-    off: f64,
+    pub off: f64,
 }
 
 /// The corners of a triangle in doubles, as decisions by doubles need them.
@@ -83,7 +81,12 @@ impl Line {
         if !is_certain && !self.touches(corners) {
             return None;
         }
-        let along = self.along(corners);
+        self.meets_along(corners, &self.along(corners), far)
+    }
+
+    /// The same of a triangle that the line touches, whose plane it meets there.
+    #[inline(always)]
+    pub fn meets_along(&self, corners: &Corners, along: &Along, far: f64) -> Option<f64> {
         if along.is_beyond(self.near, far) {
             return None;
         }
@@ -97,7 +100,12 @@ impl Line {
         if !is_certain && !self.touches(corners) {
             return false;
         }
-        let along = self.along(corners);
+        self.is_blocked_along(corners, &self.along(corners))
+    }
+
+    /// The same by a triangle that the line touches, whose plane it meets there.
+    #[inline(always)]
+    pub fn is_blocked_along(&self, corners: &Corners, along: &Along) -> bool {
         if along.is_beyond(self.near, self.far) {
             return false;
         }
@@ -136,7 +144,7 @@ impl Line {
 
     /// Whether the line passes the edges on one side or through them.
     #[inline(always)]
-    fn touches(&self, corners: &Corners) -> bool {
+    pub fn touches(&self, corners: &Corners) -> bool {
         let values @ [a, b, c] = self.edge_values(corners);
         let some_left = (a.0 > a.1) | (b.0 > b.1) | (c.0 > c.1);
         let some_right = (a.0 < -a.1) | (b.0 < -b.1) | (c.0 < -c.1);
@@ -158,30 +166,18 @@ impl Line {
     }
 
     /// Where the line meets the triangle's plane.
-    ///
-    /// The normal's error counts little. Let `n` be the rounded normal, off by `e`; `r` the way from the origin to a corner, `d` the
-    /// direction, and `t` exact. Then `n . r - t * (n . d) = e . (r - t * d)`, and `r - t * d` is a vector of the triangle's plane, no
-    /// longer than its edges where the line passes through it. So the quotient of `n . r` and `n . d` is off by that much, and by
-    /// the rounding of both products, divided by `n . d`.
     #[inline(always)]
     fn along(&self, corners: &Corners) -> Along {
-        let (&[a, b, c], error) = (corners.near, corners.error);
-        let (u, v, r) = (away(b, a), away(c, a), away(a, self.org));
-        let n = cross_of(u, v);
-        let depths = [n[0] * r[0], n[1] * r[1], n[2] * r[2]];
-        let slopes = [n[0] * self.dir[0], n[1] * self.dir[1], n[2] * self.dir[2]];
-        let slope = slopes[0] + slopes[1] + slopes[2];
-        let t = (depths[0] + depths[1] + depths[2]) / slope;
-        let all = |v: [f64; 3]| v[0].abs() + v[1].abs() + v[2].abs();
-        // Of the corner's difference from the origin, and of both products.
-        let of_depth = error * all(n) + 2.0 * UNIT * all(depths);
-        let of_slope = 2.0 * UNIT * all(slopes);
-        let of_normal = of_normal(u, v, error);
-        let (u, v) = (largest(u), largest(v));
-        let size = slope.abs();
-        let is_plain = PLAIN.contains(&size) && PLAIN.contains(&(u * v)) && of_slope <= 1e-3 * size;
-        let off = 1.01 * (of_normal + of_depth + t.abs() * of_slope) / size + UNIT * t.abs();
-        Along { t, off: if is_plain && off.is_finite() { off } else { f64::INFINITY } }
+        let (near, error) = (corners.near, corners.error);
+        let met = Meeting::new(*near, self.org, self.dir, |x| x);
+        let off = if error == 0.0 {
+            met.off(|x| x)
+        } else {
+            met.off_by(of_normal(near, error), error * met.normal + met.of_depth, |x| x)
+        };
+        let is_plain =
+            PLAIN.contains(&met.size) && PLAIN.contains(&met.area) && met.of_slope <= LOST_SLOPE * met.size;
+        Along { t: met.t, off: if is_plain && off.is_finite() { off } else { f64::INFINITY } }
     }
 
     /// By more precise numbers.
@@ -223,20 +219,13 @@ impl Along {
     }
 }
 
-/// The error of a normal by edges `u` and `v`, times a vector of the triangle; each corner may be off by `error`.
+/// The error of the normal of a triangle whose corners may be off by `error`, times a vector of the triangle.
 #[inline(always)]
-fn of_normal(u: [f64; 3], v: [f64; 3], error: f64) -> f64 {
-    if error != 0.0 {
-        let (u, v, off) = (largest(u), largest(v), 2.0 * error);
-        let (off_u, off_v) = (off + UNIT * u, off + UNIT * v);
-        let off_n = 2.0 * (u * off_v + v * off_u + off_u * off_v) + 4.0 * UNIT * u * v;
-        return 3.0 * off_n * (u.max(v) + off);
-    }
-    // Two differences, two products and their difference are rounded.
-    let of = |i: usize, j: usize, k: usize| {
-        ((u[i] * v[j]).abs() + (u[j] * v[i]).abs()) * u[k].abs().max(v[k].abs())
-    };
-    2.0 * UNIT * (of(1, 2, 0) + of(2, 0, 1) + of(0, 1, 2))
+fn of_normal(&[a, b, c]: &[[f64; 3]; 3], error: f64) -> f64 {
+    let (u, v, off) = (largest(away(b, a)), largest(away(c, a)), 2.0 * error);
+    let (off_u, off_v) = (off + UNIT * u, off + UNIT * v);
+    let off_n = 2.0 * (u * off_v + v * off_u + off_u * off_v) + 4.0 * UNIT * u * v;
+    3.0 * off_n * (u.max(v) + off)
 }
 
 /// The numbers whose quotients are the answer.

@@ -9,10 +9,12 @@ mod line;
 mod meeting;
 mod number;
 mod path;
+mod plane;
 mod twice;
 
 pub use ball::side_of_sphere;
 pub(crate) use exact_hit::ExactHit;
 pub use line::Line;
-pub use meeting::Corners;
+pub use meeting::{Along, Corners};
 pub use path::{InstancePath, Triangle};
+pub use plane::{LOST_SLOPE, Meeting, PLAIN};

@@ -4,7 +4,7 @@
 
 use std::cmp::Ordering;
 
-use gnurt_accel_bvh::DoubleIndex;
+use gnurt_accel_bvh::{DoubleIndex, LastMet};
 use gnurt_accel_core::exact::{Corners, Line, Triangle};
 use gnurt_accel_core::{INVALID_ID, Threads};
 use gnurt_simd::Level;
@@ -143,9 +143,15 @@ impl DoubleScene {
     /// Whether there is a hit.
     #[must_use]
     pub fn occluded(&self, ray: &DoubleRay) -> bool {
+        self.occluded_after(ray, &mut LastMet::default())
+    }
+
+    /// The same of a batch's next ray.
+    #[inline]
+    fn occluded_after(&self, ray: &DoubleRay, last: &mut LastMet) -> bool {
         let Some(line) = ray.line() else { return false };
         if self.shows_all(ray.mask) {
-            return self.index.is_met(Level::best(), &line);
+            return self.index.is_met(Level::best(), &line, last);
         }
         let mut is_hit = false;
         search(self, &line, ray.mask, &mut |Candidate { triangle, is_certain, .. }| {
@@ -211,7 +217,7 @@ impl DoubleScene {
     /// [`occluded`](Self::occluded) of many rays.
     #[must_use]
     pub fn occluded_batch(&self, rays: &[DoubleRay], threads: Threads) -> Vec<bool> {
-        each(rays, threads, |ray| self.occluded(ray))
+        answer_after(rays, threads, |last, ray| self.occluded_after(ray, last))
     }
 
     /// [`crossings`](Self::crossings) of many rays.
@@ -219,6 +225,17 @@ impl DoubleScene {
     pub fn crossings_batch(&self, rays: &[DoubleRay], threads: Threads) -> Vec<u32> {
         each(rays, threads, |ray| self.crossings(ray))
     }
+}
+
+/// An answer to each ray, in order; each share of them has what its last ray met.
+fn answer_after<B: Send>(
+    rays: &[DoubleRay],
+    threads: Threads,
+    answer: impl Fn(&mut LastMet, &DoubleRay) -> B + Sync + Send,
+) -> Vec<B> {
+    let mut answers = Vec::new();
+    answer_each(threads, rays, &mut answers, LastMet::default, answer);
+    answers
 }
 
 /// An answer to each question, in order.
