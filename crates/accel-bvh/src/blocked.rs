@@ -45,6 +45,13 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
     /// A ray made ready for blocks.
     type Ready<S: Simd>: Copy;
 
+    /// Whether a leaf is tested when the next one is met, so that its memory has arrived by then. Worth it where rays visit much of
+    /// a large tree; the end of the ray comes nearer a bit later.
+    #[inline(always)]
+    fn leaves_wait(_shared: &Shared<Self>) -> bool {
+        false
+    }
+
     /// Whether a geometry is of this kind.
     fn is_kind_of(kind: &GeometryKind) -> bool;
 
@@ -137,6 +144,7 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
     #[inline(always)]
     fn finish<S: Simd>(
         _blocks: &[Self],
+        _simd: S,
         _ready: &Self::Ready<S>,
         _shared: &Shared<Self>,
         _waiting: &mut Self::Waiting,
@@ -201,6 +209,12 @@ impl<B: BlockKind> Shared<B> {
         let at = self.0.partition_point(|(start, _)| *start <= number) - 1;
         let (start, data) = &self.0[at];
         (data, number - start)
+    }
+
+    /// Those of the first geometry.
+    #[inline(always)]
+    pub(crate) fn first(&self) -> Option<&B::Data> {
+        self.0.first().map(|(_, data)| data)
     }
 
     /// The same where a file may have any number.
@@ -269,6 +283,9 @@ impl<B: BlockKind> Blocked<B> {
         let ready = B::ready(simd, traversal.ray, *greatest);
         let (mut tested, mut waiting) = (0, B::Waiting::default());
         let (nodes, start, reach) = (Ahead { tree, blocks }, Child::node(0), traversal.reach());
+        // The leaf before, if they wait.
+        let mut pending = 0..0;
+        let leaves_wait = B::leaves_wait(shared);
         // Two closures: one that both walks call could become a call.
         let visited = if B::ANY_ORDER && matches!(traversal.kind, RayKind::Any) {
             walk_any(
@@ -279,6 +296,7 @@ impl<B: BlockKind> Blocked<B> {
                 reach,
                 #[inline(always)]
                 |range| {
+                    let range = if leaves_wait { std::mem::replace(&mut pending, range) } else { range };
                     tested += B::meet_leaf(blocks, range, simd, &ready, shared, &mut waiting, traversal);
                     traversal.reach() != f32::NEG_INFINITY
                 },
@@ -292,12 +310,16 @@ impl<B: BlockKind> Blocked<B> {
                 reach,
                 #[inline(always)]
                 |range| {
+                    let range = if leaves_wait { std::mem::replace(&mut pending, range) } else { range };
                     tested += B::meet_leaf(blocks, range, simd, &ready, shared, &mut waiting, traversal);
                     traversal.reach()
                 },
             )
         };
-        tested += B::finish(blocks, &ready, shared, &mut waiting, traversal);
+        if leaves_wait {
+            tested += B::meet_leaf(blocks, pending, simd, &ready, shared, &mut waiting, traversal);
+        }
+        tested += B::finish(blocks, simd, &ready, shared, &mut waiting, traversal);
         traversal.counters.nodes += u64::from(visited);
         traversal.counters.triangles += tested;
     }

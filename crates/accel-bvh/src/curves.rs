@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use gnurt_accel_core::collect::Collect;
-use gnurt_accel_core::curve::{CurvePiece, OwnedCurves, RayFrame};
+use gnurt_accel_core::curve::{CurveBasis, CurvePiece, OwnedCurves, RayFrame};
 use gnurt_accel_core::geometry::GeometryKind;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
@@ -36,6 +36,12 @@ impl BlockKind for CurveBlock {
     type Data = Arc<OwnedCurves>;
     type Waiting = Waiting;
     type Ready<S: Simd> = ReadyRay<S>;
+
+    /// Straight curves lose by it.
+    #[inline(always)]
+    fn leaves_wait(shared: &Shared<Self>) -> bool {
+        shared.first().is_some_and(|curves| curves.basis != CurveBasis::Linear)
+    }
 
     fn is_kind_of(kind: &GeometryKind) -> bool {
         matches!(kind, GeometryKind::Curves(_))
@@ -117,7 +123,7 @@ impl BlockKind for CurveBlock {
     ) -> u64 {
         let mut waiting = Waiting::default();
         Self::meet_leaf(std::slice::from_ref(self), 0..1, simd, ready, shared, &mut waiting, traversal)
-            + Self::finish(std::slice::from_ref(self), ready, shared, &mut waiting, traversal)
+            + Self::finish(std::slice::from_ref(self), simd, ready, shared, &mut waiting, traversal)
     }
 
     #[inline(always)]
@@ -138,7 +144,7 @@ impl BlockKind for CurveBlock {
                 let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
                 bits &= bits - 1;
                 if waiting.count == MOST_WAIT {
-                    tested += waiting.test(MOST_WAIT, blocks, &ready.frame, shared, traversal);
+                    tested += waiting.test(simd, MOST_WAIT, blocks, &ready.frame, shared, traversal);
                     before = 0;
                 }
                 block.prefetch(lane, shared);
@@ -149,7 +155,7 @@ impl BlockKind for CurveBlock {
             }
         }
         if before > 0 {
-            tested += waiting.test(before, blocks, &ready.frame, shared, traversal);
+            tested += waiting.test(simd, before, blocks, &ready.frame, shared, traversal);
         }
         tested
     }
@@ -157,12 +163,13 @@ impl BlockKind for CurveBlock {
     #[inline(always)]
     fn finish<S: Simd>(
         blocks: &[Self],
+        simd: S,
         ready: &ReadyRay<S>,
         shared: &Shared<Self>,
         waiting: &mut Waiting,
         traversal: &mut RayTraversal,
     ) -> u64 {
-        waiting.test(waiting.count, blocks, &ready.frame, shared, traversal)
+        waiting.test(simd, waiting.count, blocks, &ready.frame, shared, traversal)
     }
 
     fn near(
@@ -200,25 +207,31 @@ impl BlockKind for CurveBlock {
 }
 
 impl CurveBlock {
-    /// Offers the hits of one piece. Compiled once: few pieces come here.
+    /// Offers the hits of one piece. A function of its own, so that it is compiled once for each level.
     #[inline(never)]
-    pub(super) fn meet_one(
+    pub(super) fn meet_one<S: Simd>(
         &self,
+        simd: S,
         lane: usize,
         frame: &RayFrame,
         shared: &Shared<Self>,
         slot: u32,
         traversal: &mut RayTraversal,
     ) {
-        let Some((segment, part)) = self.segment(lane, shared) else { return };
-        let (t_near, number) = (traversal.ray.t_near, self.numbers[lane]);
-        let are_all = matches!(traversal.kind, RayKind::Each(_));
-        segment.meet(frame, part, &mut |hit| {
-            let [t, u, v] = [hit.t, hit.u, hit.v].map(|x| x as f32);
-            if t >= t_near && t <= traversal.reach() {
-                traversal.offer(TriangleHit { t: t + 0.0, u, v }, number, slot);
-            }
-            t < t_near || are_all
-        });
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let (t_near, number) = (traversal.ray.t_near, self.numbers[lane]);
+                let Some((curves, prim_id)) = shared.get(number) else { return };
+                let are_all = matches!(traversal.kind, RayKind::Each(_));
+                curves.view().meet(prim_id, frame, part(self.place(lane)), &mut |hit| {
+                    let (t, u, v) = (hit.t as f32, hit.u as f32, hit.v as f32);
+                    if t >= t_near && t <= traversal.reach() {
+                        traversal.offer(TriangleHit { t: t + 0.0, u, v }, number, slot);
+                    }
+                    t < t_near || are_all
+                });
+            },
+        );
     }
 }

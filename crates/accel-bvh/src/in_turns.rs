@@ -102,7 +102,7 @@ impl<B: BlockKind> Blocked<B> {
         let (kind, slot) = (tile.kind.into(), tile.slot);
         let counters = &mut *tile.counters;
         let traversal = &mut RayTraversal { ray, origin: None, kind, slot, nearest, counters };
-        *tested += B::finish(blocks, ready, shared, waiting, traversal);
+        *tested += B::finish(blocks, simd, ready, shared, waiting, traversal);
         let reach = traversal.reach();
         if *is_over || reach == f32::NEG_INFINITY {
             return true;

@@ -7,6 +7,8 @@ use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::curve::RayFrame;
 use gnurt_accel_core::traversal::RayTraversal;
 
+use gnurt_simd::Simd;
+
 use super::block::CurveBlock;
 use crate::blocked::Shared;
 use crate::node::WIDTH;
@@ -33,8 +35,9 @@ impl Default for Waiting {
 impl Waiting {
     /// Tests the first pieces. Returns how many were tested.
     #[inline(always)]
-    pub(super) fn test(
+    pub(super) fn test<S: Simd>(
         &mut self,
+        simd: S,
         count: usize,
         blocks: &[CurveBlock],
         frame: &RayFrame,
@@ -47,7 +50,7 @@ impl Waiting {
             let place = self.places[i] as usize;
             if self.starts[i] <= traversal.reach() * length && !traversal.is_done() {
                 tested += 1;
-                blocks[place / WIDTH].meet_one(place % WIDTH, frame, shared, traversal.slot, traversal);
+                blocks[place / WIDTH].meet_one(simd, place % WIDTH, frame, shared, traversal.slot, traversal);
             }
         }
         for i in count..self.count.min(MOST_WAIT) {

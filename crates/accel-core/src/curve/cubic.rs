@@ -3,6 +3,12 @@
 //! Invariant: a parameter gives the same bits in all parts of a curve, so that parts meet without a gap.
 //! Tests: `tests::parts_are_bounded`.
 
+/// Four numbers. Written out: `map` may be a call where the caller is compiled for other instructions.
+#[inline(always)]
+fn four(of: impl Fn(usize) -> f64) -> [f64; 4] {
+    [of(0), of(1), of(2), of(3)]
+}
+
 /// Points and radii along a parameter from 0 to 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Cubic {
@@ -25,18 +31,21 @@ impl Cubic {
     }
 
     /// That of four vertices, by the weight of each in each power.
-    #[inline]
+    #[inline(always)]
     pub(super) fn weighted(vertices: &[[f32; 4]; 4], weights: &[[f64; 4]; 4]) -> Self {
-        let vertices = vertices.map(|vertex| vertex.map(f64::from));
-        let mut powers = [[0.0; 4]; 4];
-        for (power, weights) in powers.iter_mut().zip(weights) {
-            for (vertex, weight) in vertices.iter().zip(weights) {
-                for (x, of_vertex) in power.iter_mut().zip(vertex) {
-                    *x += weight * of_vertex;
-                }
-            }
-        }
-        Self { powers }
+        let vertex = |i: usize| four(|k| f64::from(vertices[i][k]));
+        let vertices = [vertex(0), vertex(1), vertex(2), vertex(3)];
+        // From 0 on, so that no sum is -0.
+        let of = |weights: &[f64; 4]| {
+            four(|k| {
+                0.0 + weights[0] * vertices[0][k]
+                    + weights[1] * vertices[1][k]
+                    + weights[2] * vertices[2][k]
+                    + weights[3] * vertices[3][k]
+            })
+        };
+        let [a, b, c, d] = weights;
+        Self { powers: [of(a), of(b), of(c), of(d)] }
     }
 
     /// Between this one and another, by the weights of the two.
@@ -48,27 +57,27 @@ impl Cubic {
     #[inline(always)]
     pub(super) fn at(&self, t: f64) -> [f64; 4] {
         let [a, b, c, d] = &self.powers;
-        [0, 1, 2, 3].map(|k| a[k] + t * (b[k] + t * (c[k] + t * d[k])))
+        four(|k| a[k] + t * (b[k] + t * (c[k] + t * d[k])))
     }
 
     /// The first derivative.
     #[inline(always)]
     pub(super) fn slope(&self, t: f64) -> [f64; 4] {
         let [_, b, c, d] = &self.powers;
-        [0, 1, 2, 3].map(|k| b[k] + t * (2.0 * c[k] + t * (3.0 * d[k])))
+        four(|k| b[k] + t * (2.0 * c[k] + t * (3.0 * d[k])))
     }
 
     /// The second derivative.
     #[inline(always)]
     pub(super) fn bend(&self, t: f64) -> [f64; 4] {
         let [_, _, c, d] = &self.powers;
-        [0, 1, 2, 3].map(|k| 2.0 * c[k] + 6.0 * t * d[k])
+        four(|k| 2.0 * c[k] + 6.0 * t * d[k])
     }
 
     /// A radius that no point has more than: the greatest of Bezier's control points.
     #[inline(always)]
     pub(super) fn greatest_radius(&self) -> f64 {
-        let [a, b, c, d] = self.powers.map(|power| power[3]);
+        let [a, b, c, d] = four(|i| self.powers[i][3]);
         a.max(a + b / 3.0).max(a + (2.0 * b + c) / 3.0).max(a + b + c + d)
     }
 

@@ -3,9 +3,10 @@
 //! Invariant: a curve that [`Curves::check`] accepts has a [`Segment`]. Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::cubic::Cubic;
+use super::ray::{Offer, RayFrame};
 use super::segment::Segment;
 use super::starts::Starts;
-use super::{Vector, place};
+use super::{Vector, pieces, place, ribbon};
 use crate::bad_primitives::{BadPrimitives, LARGEST_COORDINATE};
 
 /// How the vertices of a curve make its points.
@@ -26,7 +27,7 @@ pub enum CurveBasis {
 
 impl CurveBasis {
     /// Weights of four vertices in the powers from 0 to 3, where there are four.
-    #[inline]
+    #[inline(always)]
     fn weights(self) -> Option<&'static [[f64; 4]; 4]> {
         const SIXTH: f64 = 1.0 / 6.0;
         Some(match self {
@@ -129,6 +130,7 @@ impl<'a> Curves<'a> {
     }
 
     /// How many vertices a curve has.
+    #[inline(always)]
     fn order(&self) -> usize {
         match self.basis {
             CurveBasis::Linear | CurveBasis::Hermite => 2,
@@ -137,9 +139,33 @@ impl<'a> Curves<'a> {
     }
 
     /// The part of an array that is a curve's.
+    #[inline(always)]
     fn of<T>(&self, array: &'a [T], prim_id: u32) -> Option<&'a [T]> {
         let first = *self.indices.get(prim_id as usize)? as usize;
         array.get(first..first.checked_add(self.order())?)
+    }
+
+    /// Calls `hit` as [`Segment::meet`] of the curve does. Cubics that face the ray are tested here, compiled for the caller's
+    /// instructions; others gain nothing by that.
+    #[inline(always)]
+    pub fn meet(&self, prim_id: u32, frame: &RayFrame, part: [f64; 2], hit: Offer) {
+        let (points, weights) = match (self.of(self.vertices, prim_id), self.basis.weights()) {
+            (Some(points), Some(weights)) if self.form == CurveForm::Flat => (points, weights),
+            _ => return self.meet_other(prim_id, frame, part, hit),
+        };
+        let Some(points) = points.first_chunk() else { return };
+        let cubic = &Cubic::weighted(points, weights);
+        match self.pieces {
+            0 => ribbon::meet_flat(cubic, frame, part, hit),
+            pieces => pieces::meet(cubic, pieces, frame, part, hit),
+        }
+    }
+
+    #[inline(never)]
+    fn meet_other(&self, prim_id: u32, frame: &RayFrame, part: [f64; 2], hit: Offer) {
+        if let Some(segment) = self.segment(prim_id) {
+            segment.meet(frame, part, hit);
+        }
     }
 
     /// As powers of the parameter.

@@ -14,18 +14,19 @@ type Point = [f64; 3];
 const SKIPPED: f64 = 2.0;
 
 /// Offers the hits of the pieces of a part, whose ends are ends of pieces.
+#[inline(always)]
 pub(super) fn meet(cubic: &Cubic, count: u8, ray: &RayFrame, [from, to]: [f64; 2], hit: Offer) {
     let seen = cubic.mapped(|v| ray.by_axes(v), ray.org);
     let count = f64::from(count);
-    let [first, last] = [from, to].map(|u| (u * count).round() as u32);
+    let [first, last] = [(from * count).round() as u32, (to * count).round() as u32];
     let mut a = seen.at(f64::from(first) / count);
     for i in first..last {
-        let [start, end] = [i, i + 1].map(|i| f64::from(i) / count);
+        let [start, end] = [f64::from(i) / count, f64::from(i + 1) / count];
         let b = seen.at(end);
         if is_near(&a, &b) {
             let sides = [across(&seen, start, &a, &b), across(&seen, end, &a, &b)];
-            let [right, left] =
-                [1.0, -1.0].map(|sign| [beside(&a, sides[0], sign), beside(&b, sides[1], sign)]);
+            let edge = |sign: f64| [beside(&a, sides[0], sign), beside(&b, sides[1], sign)];
+            let [right, left] = [edge(1.0), edge(-1.0)];
             let found = through([right[0], right[1], left[1], left[0]]);
             let is_ahead = |&(z, u, _): &(f64, f64, f64)| z > SKIPPED * (a[3] + u * (b[3] - a[3]));
             if let Some((z, u, v)) = found.filter(is_ahead) {
@@ -37,6 +38,7 @@ pub(super) fn meet(cubic: &Cubic, count: u8, ray: &RayFrame, [from, to]: [f64; 2
 }
 
 /// Whether the ray comes as near to a piece's chord as it is broad, and not by more: a quad may reach farther.
+#[inline(always)]
 fn is_near(a: &[f64; 4], b: &[f64; 4]) -> bool {
     let step = [b[0] - a[0], b[1] - a[1]];
     let square = step[0] * step[0] + step[1] * step[1];
@@ -46,6 +48,7 @@ fn is_near(a: &[f64; 4], b: &[f64; 4]) -> bool {
 }
 
 /// The unit vector across the curve at a parameter, as it is seen.
+#[inline(always)]
 fn across(seen: &Cubic, u: f64, a: &[f64; 4], b: &[f64; 4]) -> [f64; 2] {
     let slope = seen.slope(u);
     // Where the curve stands still it goes to the next point.
@@ -55,11 +58,13 @@ fn across(seen: &Cubic, u: f64, a: &[f64; 4], b: &[f64; 4]) -> [f64; 2] {
     [y / length, -x / length]
 }
 
+#[inline(always)]
 fn beside([x, y, z, radius]: &[f64; 4], [dx, dy]: [f64; 2], sign: f64) -> Point {
     [x + sign * radius * dx, y + sign * radius * dy, *z]
 }
 
 /// Where the axis through the origin goes through a quad from its front: the depth, and both parameters.
+#[inline(always)]
 fn through([a, b, c, d]: [Point; 4]) -> Option<(f64, f64, f64)> {
     let cross = |p: Point, q: Point| p[0] * q[1] - p[1] * q[0];
     // The half on this side of the diagonal.

@@ -42,6 +42,6 @@ impl RayFrame {
     /// A vector by the axes.
     #[inline(always)]
     pub(super) fn by_axes(&self, v: Vector) -> Vector {
-        self.axes.map(|axis| dot(axis, v))
+        [dot(self.axes[0], v), dot(self.axes[1], v), dot(self.axes[2], v)]
     }
 }

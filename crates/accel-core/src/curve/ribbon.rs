@@ -30,6 +30,7 @@ pub(super) fn meet_line(ends: &[[f64; 4]; 2], ray: &RayFrame, hit: Offer) {
 }
 
 /// A ribbon that faces the ray and ends across the curve.
+#[inline(always)]
 pub(super) fn meet_flat(cubic: &Cubic, ray: &RayFrame, part: [f64; 2], hit: Offer) {
     let seen = cubic.mapped(|v| ray.by_axes(v), ray.org);
     let brackets = brackets(&seen, part, 1.0);
@@ -139,7 +140,8 @@ pub(super) fn meet_oriented(
 fn brackets(seen: &Cubic, [from, to]: [f64; 2], fewest: f64) -> f64 {
     let square = |[x, y, ..]: [f64; 4]| x * x + y * y;
     // More brackets the more the curve turns where it is seen: all of them if it is seen along itself.
-    let slopes = [from, 0.5 * (from + to), to].map(|u| square(seen.slope(u)));
+    let slope = |u: f64| square(seen.slope(u));
+    let slopes = [slope(from), slope(0.5 * (from + to)), slope(to)];
     let least = slopes[0].min(slopes[1]).min(slopes[2]);
     let bend = square(seen.bend(from)).max(square(seen.bend(to))) * (to - from) * (to - from);
     let brackets = MOST_BRACKETS * (to - from);
