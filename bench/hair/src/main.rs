@@ -4,6 +4,11 @@
 //! [--type flat-bspline,...] [--class camera,...] [--json FILE]`. A library that was built without curves finds no hits.
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
+// By the names of the crate that the file below belongs to.
+extern crate self as gnurt;
+mod accel {
+    pub(crate) use gnurt_accel::Ray;
+}
 #[allow(dead_code, reason = "for more than curves")]
 #[path = "../../../crates/bench/src/ffi_embree.rs"]
 mod ffi_embree;
