@@ -9,6 +9,7 @@ mod appearance;
 mod bands;
 mod bumps;
 mod caustics;
+mod caustics_focus;
 mod checkpoint;
 mod commit;
 mod common;

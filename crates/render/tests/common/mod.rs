@@ -2,6 +2,7 @@
 //! Small scenes and pictures for the tests of this crate.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of it")]
 
+pub mod chains;
 mod divided;
 
 pub use divided::*;
