@@ -1,19 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Twelve scenes of media beside Mitsuba's `volpathmis`: `python3 bench/light/media.py PROGRAM [--spp 512] [--volpath] [SCENE...]`.
+"""Twelve scenes of media beside Mitsuba's `volpathmis`: `python3 bench/light/media.py PROGRAM [--spp 512] [--volpath] [--time] [SCENE...]`.
 
 Needs mitsuba and numpy. Each scene is written twice: as a file of pbrt for PROGRAM, and as Mitsuba's dictionary. Prints the ratio of the
 means of both pictures by colour, and its standard error from the pixels' differences between four renderings.
+
+`--time`: equal error instead: the variance of pixels times processor seconds of one thread, ours over Mitsuba's (`llvm_ad_rgb`, its own
+roulette, compiled before), as bench/renderers/own_materials.py.
 """
 
 import argparse
+import math
+import resource
 import subprocess
+import sys
 import tempfile
+import time
 from pathlib import Path
 
 import mitsuba as mi
 import numpy as np
 
-mi.set_variant("scalar_rgb")
+mi.set_variant("llvm_ad_rgb" if "--time" in sys.argv else "scalar_rgb")
 
 WIDTH, HEIGHT, DEPTH, RUNS = 48, 36, 500, 4
 T = mi.ScalarTransform4f
@@ -154,22 +161,22 @@ def scenes(folder):
     yield "lamp", Scene(sky=0.0).media(m=Medium(0.05, 0.25)).boundary("m", size=1.0).floor().lamp(0.05, (0.1, 0.3, 0.2), 100)
 
 
-def ours(program, scene, folder, spp, seed):
+def ours(program, scene, folder, spp, seed, *more):
     numbers = " ".join(map(str, (*scene.eye, *scene.target, 0, 1, 0)))
     text = f'LookAt {numbers}\nCamera "perspective" "float fov" {scene.fov}\n'
     text += "WorldBegin\n"
     path, picture = folder / "scene.pbrt", folder / "picture.pfm"
     path.write_text(text + scene.head + scene.text)
     command = [program, "render", path, "--integrator", "path", "--spp", str(spp), "--seed", str(seed), "--max-depth", str(DEPTH)]
-    command += ["-r", f"{WIDTH}x{HEIGHT}", "--denoise=none", "--filter", "box", "-q", "-o", picture]
+    command += ["-r", f"{WIDTH}x{HEIGHT}", "--denoise=none", "--filter", "box", "-q", "-o", picture, *more]
     if "sky" not in scene.dictionary:
         command += ["--environment", "0,0,0"]
     subprocess.run(command, check=True)
     return np.array(mi.Bitmap(str(picture)))[..., :3]
 
 
-def theirs(scene, spp, integrator):
-    scene.dictionary["integrator"] = {"type": integrator, "max_depth": DEPTH, "rr_depth": 10 * DEPTH}
+def loaded(scene, spp, integrator, **more):
+    scene.dictionary["integrator"] = {"type": integrator, "max_depth": DEPTH, **more}
     scene.dictionary["sensor"] = {
         "type": "perspective", "fov": scene.fov, "fov_axis": "smaller",
         "to_world": T().look_at(list(scene.eye), list(scene.target), [0, 1, 0]),
@@ -179,8 +186,52 @@ def theirs(scene, spp, integrator):
     body = scene.inside_of_camera
     if body:
         scene.dictionary["sensor"]["medium"] = scene.named[body]
-    loaded = mi.load_dict(scene.dictionary)
-    return [np.array(mi.render(loaded, seed=seed + 1))[..., :3] for seed in range(RUNS)]
+    return mi.load_dict(scene.dictionary)
+
+
+def theirs(scene, spp, integrator):
+    scene = loaded(scene, spp, integrator, rr_depth=10 * DEPTH)
+    return [np.array(mi.render(scene, seed=seed + 1))[..., :3] for seed in range(RUNS)]
+
+
+def equal_error(arguments, name, scene, folder):
+    """Our product of variance and time over Mitsuba's."""
+    import drjit
+
+    drjit.set_thread_count(1)
+    spp, integrator = arguments.spp, "volpath" if arguments.volpath else "volpathmis"
+    used = lambda: sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
+    rival = loaded(scene, spp, integrator)
+    np.array(mi.render(rival, seed=99))
+    pictures, seconds = ([], []), ([], [])
+
+    def own(samples, seed):
+        start = used()
+        picture = ours(arguments.program, scene, folder, samples, seed, "-t", "1")
+        return picture, used() - start
+
+    once = min(own(1, seed)[1] for seed in (1, 2))
+    for seed in range(1, RUNS + 1):
+        picture, taken = own(spp + 1, seed)
+        pictures[0].append(picture)
+        seconds[0].append(taken - once)
+        start = time.process_time()
+        pictures[1].append(np.array(mi.render(rival, seed=seed))[..., :3])
+        seconds[1].append(time.process_time() - start)
+    errors = []
+    for stack in map(np.array, pictures):
+        mean = stack.mean((0, 3))
+        errors.append(np.sort((stack.var(0, ddof=1).mean(-1) / (mean**2 + 0.01 * mean.mean() ** 2)).ravel()))
+    times = [float(np.median(each)) for each in seconds]
+    most = [np.mean(error[: -max(1, len(error) // 1000)]) for error in errors]
+    variance = errors[0].mean() / errors[1].mean()
+    product = variance * times[0] / times[1]
+    print(
+        f"{name:10} variance {variance:.3f} time {times[0]:.2f} s over {times[1]:.2f} s = {times[0] / times[1]:.3f} "
+        f"product {product:.3f} without the worst thousandth {most[0] / most[1] * times[0] / times[1]:.3f}",
+        flush=True,
+    )
+    return product
 
 
 def main():
@@ -188,11 +239,16 @@ def main():
     arguments.add_argument("program")
     arguments.add_argument("--spp", type=int, default=256)
     arguments.add_argument("--volpath", action="store_true", help="the integrator volpath in place of volpathmis")
+    arguments.add_argument("--time", action="store_true", help="variance times time in place of means")
     arguments.add_argument("scenes", nargs="*")
     arguments = arguments.parse_intermixed_args()
+    products = []
     with tempfile.TemporaryDirectory() as folder:
         for name, scene in scenes(folder):
             if arguments.scenes and name not in arguments.scenes:
+                continue
+            if arguments.time:
+                products.append(equal_error(arguments, name, scene, Path(folder)))
                 continue
             a = [ours(arguments.program, scene, Path(folder), arguments.spp, seed + 1) for seed in range(RUNS)]
             b = theirs(scene, arguments.spp, "volpath" if arguments.volpath else "volpathmis")
@@ -200,6 +256,8 @@ def main():
             ratio = means[0].mean(0) / means[1].mean(0)
             error = np.sqrt(sum((m.std(0, ddof=1) / m.mean(0)) ** 2 for m in means) / RUNS)
             print(f"{name:10}", *(f"{r:.4f} +- {e:.4f}" for r, e in zip(ratio, error)), flush=True)
+    if products:
+        print(f"geometric mean of products {math.exp(np.mean(np.log(products))):.3f}")
 
 
 if __name__ == "__main__":

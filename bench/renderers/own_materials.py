@@ -44,8 +44,8 @@ def cpu_of(words):
 class Gnurt:
     def __init__(self, arguments, scene, camera, folder):
         path = os.path.join(arguments.scenes, scene, scene + ".obj")
-        self.words = [arguments.gnurt, "render", path, *interiors.camera_arguments(camera), "--integrator=path"]
-        self.words += [f"--max-depth={DEPTH}", "-t=1", "-q", "--filter=box"]
+        self.words = [arguments.gnurt, "render", path, *interiors.camera_arguments(camera)]
+        self.words += [f"--max-depth={DEPTH}", "-t=1", "-q", "--filter=box", *(arguments.own or "--integrator=path").split()]
         self.output = os.path.join(folder, "own.pfm")
         self.once = min(self.run(1, seed) for seed in (0, 1))
 
@@ -84,6 +84,7 @@ def main():
     parser.add_argument("--pictures", type=int, default=6)
     parser.add_argument("--size", type=int, nargs=2, default=(256, 192))
     parser.add_argument("--json")
+    parser.add_argument("--own", default="", help="arguments of gnurt, in one word, in place of --own=--integrator=path")
     arguments = parser.parse_intermixed_args()
     file, rival = RIVALS[arguments.against]
     rival = getattr(importlib.import_module(file), rival)
