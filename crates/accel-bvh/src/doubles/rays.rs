@@ -15,7 +15,7 @@ use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::walk::{walk, walk_any};
 
-/// The triangle that the last line met.
+/// The triangle that the last line met. Of one tree: others may have no such place.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Last {
     /// `WIDTH` times its block, and its lane.
@@ -125,7 +125,7 @@ impl DoubleIndex {
         })
     }
 
-    /// Whether the line meets any triangle.
+    /// Whether the line meets any triangle. `last`: of a line before in this tree, or none.
     #[must_use]
     pub fn is_met(&self, level: Level, line: &Line, last: &mut Last) -> bool {
         if !self.over.tree.nodes.is_empty() {
@@ -154,8 +154,7 @@ impl DoubleIndex {
         let Some(prepared) = Prepared::new(&exact(line), &over.grid, over.greatest) else { return };
         let (lanes, given) = (Lanes::new(simd, &prepared), Given::new(simd, line.org, line.dir));
         let for_nodes = NodeRay::new(simd, &prepared.for_nodes, prepared.greatest);
-        let far = best.far();
-        let (mut reach, mut depth) = (prepared.reach(far), prepared.depth(far));
+        let (mut reach, mut depth) = (prepared.reach(line.far), prepared.depth(line.far));
         walk(
             &crate::walk::Ahead { tree: &over.tree, blocks: &over.blocks },
             simd,

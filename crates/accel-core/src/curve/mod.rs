@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Curves with a width: hair, grass, wires. The bases, the three forms and their parameters are Embree's.
-//! Space: object. All arithmetic is in double precision and compiled once: every level and every structure gives the
+//! Space: object. All arithmetic is in double precision, without fused operations: every level and every structure gives the
 //! same bits. Floats only skip pieces that a ray surely misses (`accel-bvh/src/curves.rs`).
 //! Tests: `tests/curves.rs` of `gnurt-accel`.
 
