@@ -561,7 +561,9 @@ impl Lobe {
     pub(super) fn above(&self) -> [Vec3; 2] {
         let weight = self.weight;
         let through = match self.kind {
-            Kind::Diffuse | Kind::Metal | Kind::SmoothMetal | Kind::Translucent => return [Vec3::ZERO, weight],
+            Kind::Diffuse | Kind::Metal | Kind::SmoothMetal | Kind::Translucent => {
+                return [Vec3::ZERO, weight];
+            }
             Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane | Kind::Beckmann => {
                 self.b.max_element().clamp(0.0, 1.0)
             }
