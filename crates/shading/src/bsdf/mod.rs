@@ -58,6 +58,8 @@ mod rough_fibre_tests;
 mod sample;
 mod scalar_lobes;
 mod sheen;
+#[cfg(test)]
+mod smooth_tests;
 mod strand;
 mod subsurface;
 #[cfg(test)]
