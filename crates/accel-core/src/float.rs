@@ -34,39 +34,28 @@ pub trait Number:
     fn signed_as(self, other: Self) -> Self;
 }
 
-impl Number for f32 {
-    #[inline(always)]
-    fn size(self) -> Self {
-        self.abs()
-    }
+macro_rules! floats_are_numbers {
+    ($($float:ident)*) => {$(
+        impl Number for $float {
+            #[inline(always)]
+            fn size(self) -> Self {
+                self.abs()
+            }
 
-    #[inline(always)]
-    fn or_more(self, other: Self) -> Self {
-        most(self, other)
-    }
+            #[inline(always)]
+            fn or_more(self, other: Self) -> Self {
+                if self > other { self } else { other }
+            }
 
-    #[inline(always)]
-    fn signed_as(self, other: Self) -> Self {
-        self.copysign(other)
-    }
+            #[inline(always)]
+            fn signed_as(self, other: Self) -> Self {
+                self.copysign(other)
+            }
+        }
+    )*};
 }
 
-impl Number for f64 {
-    #[inline(always)]
-    fn size(self) -> Self {
-        self.abs()
-    }
-
-    #[inline(always)]
-    fn or_more(self, other: Self) -> Self {
-        if self > other { self } else { other }
-    }
-
-    #[inline(always)]
-    fn signed_as(self, other: Self) -> Self {
-        self.copysign(other)
-    }
-}
+floats_are_numbers!(f32 f64);
 
 macro_rules! lanes_are_numbers {
     ($($lanes:ident)*) => {$(
