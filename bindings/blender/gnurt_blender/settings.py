@@ -6,6 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 
 INTEGRATORS = (
     ("path", "Path tracing", "The reference: light along paths from the camera"),
+    ("auto", "Automatic", "Paths or virtual lights, whichever a pilot rendering finds to have less noise for its time"),
     ("ir", "Instant radiosity", "Virtual lights at the ends of light paths"),
     ("bir", "Bidirectional instant radiosity", "Virtual lights chosen from both ends of paths"),
     ("mir", "Metropolis instant radiosity", "Virtual lights found by Markov chains"),

@@ -85,7 +85,7 @@ impl BuildRequest {
             ..default
         };
         options.region().map_err(|error| PyValueError::new_err(error.to_string()))?;
-        if light_groups && options.integrator != Integrator::Path {
+        if light_groups && options.integrator.without_pilot() != Integrator::Path {
             let integrator = options.integrator.name();
             return Err(PyValueError::new_err(RenderError::LayersOfLight { integrator }.to_string()));
         }

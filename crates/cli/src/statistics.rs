@@ -61,6 +61,16 @@ impl Statistics<'_> {
                 "per_second": self.rays_per_second(),
             },
             "gather": { "rays": render.gather_rays, "seconds": render.gather_seconds },
+            "choice": render.choice.map(|choice| json!({
+                "integrator": choice.integrator.name(),
+                "methods": choice.methods.map(|methods| methods.map(|method| json!({
+                    "variance": method.variance,
+                    "cost": method.cost,
+                    "mean": method.mean,
+                    "mean_error": method.mean_error,
+                }))),
+                "seconds": choice.seconds,
+            })),
             "guide": render.guide.map(|guide| json!({
                 "on": guide.is_on,
                 "moment": guide.moment,
@@ -114,6 +124,9 @@ impl fmt::Display for Statistics<'_> {
         row("camera rays", render.camera_rays.to_string())?;
         row("shadow rays", render.shadow_rays.to_string())?;
         row("secondary rays", render.secondary_rays.to_string())?;
+        if let Some(choice) = &render.choice {
+            row("integrator", choice.to_string())?;
+        }
         if let Some(guide) = &render.guide {
             row("guide", guide.to_string())?;
         }

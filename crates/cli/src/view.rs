@@ -168,12 +168,12 @@ pub(crate) fn choose_around(
 
 /// Says what an integrator leaves out of a scene.
 pub(crate) fn tell_left_out(scene: &Scene, integrator: Integrator, messages: Messages) {
-    if scene.has_media() && integrator != Integrator::Path {
+    if scene.has_media() && integrator.without_pilot() != Integrator::Path {
         messages.warning(format_args!(
             "--integrator {integrator} leaves out media that scatter or give off light; path shows them"
         ));
     }
-    if !scene.labels().light_links.is_empty() && integrator != Integrator::Path {
+    if !scene.labels().light_links.is_empty() && integrator.without_pilot() != Integrator::Path {
         messages.warning(format_args!(
             "--integrator {integrator} ignores the links of lights to instances; path follows them"
         ));

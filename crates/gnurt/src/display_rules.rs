@@ -17,7 +17,8 @@ pub const FEW_SAMPLES: u32 = 256;
 /// Whether to denoise a picture for a screen: integrators with random light samples, with few samples.
 #[must_use]
 pub fn is_noisy(integrator: Integrator, samples: u32) -> bool {
-    (integrator == Integrator::Path || integrator.has_virtual_lights()) && samples < FEW_SAMPLES
+    (integrator.without_pilot() == Integrator::Path || integrator.has_virtual_lights())
+        && samples < FEW_SAMPLES
 }
 
 /// Columns or rows, the larger of the two, of a picture that is only measured.

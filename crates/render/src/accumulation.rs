@@ -19,13 +19,14 @@ use crate::film::{self, TileFilm};
 use crate::frame::Frame;
 use crate::guide::Guide;
 use crate::guide_training::{self, Trained};
+use crate::integrator_choice::{self, Chosen};
 use crate::job::Job;
 use crate::layers;
 use crate::many_lights::interleave::PatternTexels;
 use crate::many_lights::{self, Common, PersistentLights};
 use crate::mattes;
 use crate::motion::{MotionShare, PictureHistory};
-use crate::options::RenderOptions;
+use crate::options::{Integrator, RenderOptions};
 use crate::pixel_grid::PixelGrid;
 use crate::progress::Watch;
 use crate::sampler::{Sampler, SplitLight};
@@ -106,6 +107,8 @@ pub struct Accumulation {
     kinds: Vec<OutputKind>,
     /// State of virtual lights that all passes share.
     common: Arc<Common>,
+    /// The integrator, once it was chosen.
+    chosen: Option<Arc<Chosen>>,
     /// The guide, once samples need it.
     trained: Option<Arc<Trained>>,
     /// Smooth surfaces and lamps of searches, once they were found.
@@ -129,6 +132,7 @@ impl Accumulation {
             stats: RenderStats::default(),
             kinds: Vec::new(),
             common: Arc::default(),
+            chosen: None,
             trained: None,
             caustics: None,
             limit: None,
@@ -157,7 +161,7 @@ impl Accumulation {
         }
         (self.options, self.region, self.stats) = (options, region, RenderStats::default());
         self.common = Arc::default();
-        (self.trained, self.caustics) = (None, None);
+        (self.chosen, self.trained, self.caustics) = (None, None, None);
         Ok(())
     }
 
@@ -208,7 +212,7 @@ impl Accumulation {
             return true;
         }
         let begin = Instant::now();
-        let (options, watched) = (self.options.clone(), Watched(progress));
+        let (options, watched) = (Chosen::of(None, &self.options), Watched(progress));
         if options.integrator.needs_light_set() {
             world.lights().make_set(pool);
         }
@@ -219,17 +223,38 @@ impl Accumulation {
         whole
     }
 
-    /// Learns a guide, unless that is done. Returns false if it was told to stop.
-    fn train(
+    /// Chooses the integrator, unless that is done. Returns false if it was told to stop.
+    fn choose(
         &mut self,
         world: &World,
         camera: &dyn CameraShader,
         watch: &dyn Watch,
         pool: &rayon::ThreadPool,
     ) -> bool {
+        if self.options.integrator == Integrator::Auto && self.chosen.is_none() {
+            let until = (watch, self.limit);
+            let Some(chosen) = integrator_choice::choose(world, camera, &self.options, until, pool) else {
+                return false;
+            };
+            self.stats.add(&chosen.cost);
+            self.stats.choice = Some(chosen.stats);
+            self.chosen = Some(Arc::new(chosen));
+        }
+        true
+    }
+
+    /// Learns a guide, unless that is done. Returns false if it was told to stop.
+    fn train(
+        &mut self,
+        world: &World,
+        camera: &dyn CameraShader,
+        options: &RenderOptions,
+        watch: &dyn Watch,
+        pool: &rayon::ThreadPool,
+    ) -> bool {
         if self.trained.is_none() {
             let until = (watch, self.limit);
-            let Some(trained) = guide_training::train(world, camera, &self.options, until, pool) else {
+            let Some(trained) = guide_training::train(world, camera, options, until, pool) else {
                 return false;
             };
             self.stats.add(&trained.cost);
@@ -262,25 +287,32 @@ impl Accumulation {
     ) -> bool {
         let begin = Instant::now();
         self.kinds = shader_outputs::kinds(world, &self.options.light_layers);
-        let last = self.samples().saturating_add(samples).min(self.options.spp);
+        let done_before = self.samples();
+        let last = done_before.saturating_add(samples).min(self.options.spp);
         let pixels: u64 = self.tiles.iter().map(|tile| tile.first.len() as u64).sum();
         let watched = Watched(progress);
-        let options = self.options.clone();
+        let seed = self.options.seed;
         if self.options.integrator.needs_light_set() {
             world.lights().make_set(pool);
         }
-        let has_virtual_lights = self.options.integrator.has_virtual_lights();
-        let seed = self.options.seed;
         // Each ray has its own time, or with moving lights each sample has one.
         let opened = world.needs_times().then(|| world.with_times(seed));
-        let is_of_pass = world.needs_times() && (has_virtual_lights || world.lights_move());
-        let world = opened.as_ref().unwrap_or(world);
+        let at_rest = opened.as_ref().unwrap_or(world);
+        let begins = done_before < last && pixels > 0;
+        // Pictures in motion have no time for pilots.
+        let waits = begins && persistent.is_none() && !self.choose(at_rest, camera, &watched, pool);
+        let options = Chosen::of(self.chosen.as_deref(), &self.options);
         let guided_from = options.guided_from().filter(|&from| from < last && pixels > 0);
-        if guided_from.is_some() && !self.train(world, camera, &watched, pool) {
+        let waits =
+            waits || (guided_from.is_some() && !self.train(at_rest, camera, &options, &watched, pool));
+        if waits {
             self.note_pass(begin, pool);
             progress.passed(self);
             return false;
         }
+        let has_virtual_lights = options.integrator.has_virtual_lights();
+        let is_of_pass = world.needs_times() && (has_virtual_lights || world.lights_move());
+        let world = at_rest;
         let trained = self.trained.clone();
         let guide = trained.as_ref().and_then(|trained| trained.guide.as_ref()).zip(guided_from);
         let all_samples = pixels * u64::from(self.options.spp);
@@ -291,11 +323,11 @@ impl Accumulation {
         shared.caustics = self.caustics.get_or_insert_with(|| find_caustics(&shared)).clone();
         // Virtual lights are one sample's.
         let at_once = if has_virtual_lights || is_of_pass { 1 } else { u32::MAX };
-        let mut done = self.samples();
+        let mut done = done_before;
         while done < last && !shared.should_stop() {
             let of_pass = is_of_pass.then(|| world.of_pass(self.options.seed_of_lights(), done, pool));
             let own = of_pass.as_ref().map(|world| {
-                if self.options.integrator.needs_light_set() {
+                if options.integrator.needs_light_set() {
                     world.lights().make_set(pool);
                 }
                 let mut job = pass_setup.job(world, self.stats.samples);
@@ -313,7 +345,7 @@ impl Accumulation {
                 self.stats.add(&pass.stats);
             }
             let sampler = Sampler { job, pass: pass.as_ref() };
-            let of_tiles: Vec<RenderStats> = if let Some(n) = self.options.pattern() {
+            let of_tiles: Vec<RenderStats> = if let Some(n) = options.pattern() {
                 let Some(of_tiles) =
                     add_interleaved(&sampler, &mut self.tiles, self.region, done - 1, n, pool)
                 else {

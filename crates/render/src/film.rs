@@ -15,7 +15,7 @@ use crate::expressions::LightSums;
 use crate::held::Held;
 use crate::mattes::TileMattes;
 use crate::moments::variance_of_mean;
-use crate::options::RenderOptions;
+use crate::options::{Integrator, RenderOptions};
 use crate::piece::Piece;
 use crate::seen::TileSeen;
 use crate::state::{SavedState, put_f64, put_u32};
@@ -52,7 +52,8 @@ pub(crate) struct TileFilm {
 pub(crate) fn tile_size(options: &RenderOptions) -> u32 {
     match options.pattern() {
         Some(n) => n * BLOCK,
-        None if options.integrator.has_virtual_lights() => 2 * TILE,
+        // A pilot may choose virtual lights.
+        None if options.integrator.has_virtual_lights() || options.integrator == Integrator::Auto => 2 * TILE,
         None => TILE,
     }
 }

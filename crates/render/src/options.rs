@@ -33,11 +33,16 @@ pub enum Integrator {
     MetropolisInstantRadiosity,
     /// All light, by scattered rays: the reference \[Kaj86\].
     Path,
+    /// `Path` or `BidirectionalInstantRadiosity` with 32 virtual lights, whichever has the smaller variance for its cost in a pilot
+    /// rendering. The number of virtual lights and patterns are ignored; paths are guided where the pilot of the guide finds that it
+    /// pays. `Path` without a pilot where virtual lights leave something out: media, links of lights, open shutters, noise targets, layers
+    /// by events.
+    Auto,
 }
 
 impl Integrator {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Eyelight,
         Self::Normals,
         Self::Whitted,
@@ -45,12 +50,19 @@ impl Integrator {
         Self::InstantRadiosity,
         Self::BidirectionalInstantRadiosity,
         Self::MetropolisInstantRadiosity,
+        Self::Auto,
     ];
 
     /// Whether it can add this layer: paths have all of them, virtual lights those that need no events of paths.
     #[must_use]
     pub fn has_light_layer(self, layer: &LightLayer) -> bool {
-        self == Self::Path || (self.has_virtual_lights() && !layer.needs_events())
+        self.without_pilot() == Self::Path || (self.has_virtual_lights() && !layer.needs_events())
+    }
+
+    /// The integrator where no pilot is rendered: in motion, and along single rays.
+    #[must_use]
+    pub fn without_pilot(self) -> Self {
+        if self == Self::Auto { Self::Path } else { self }
     }
 
     /// Whether samples are taken with virtual lights, a fresh set for each.
@@ -64,7 +76,7 @@ impl Integrator {
 
     /// Whether it chooses lights by their contribution.
     pub(crate) fn needs_light_set(self) -> bool {
-        self == Self::Path || self.has_virtual_lights()
+        self.without_pilot() == Self::Path || self.has_virtual_lights()
     }
 
     /// The name on the command line.
@@ -78,6 +90,7 @@ impl Integrator {
             Self::BidirectionalInstantRadiosity => "bir",
             Self::MetropolisInstantRadiosity => "mir",
             Self::Path => "path",
+            Self::Auto => "auto",
         }
     }
 }
@@ -272,7 +285,7 @@ impl RenderOptions {
         }
     }
 
-    /// The size of the pilot of a guide: an eighth of the pixels, within limits, and as many samples as make enough paths.
+    /// The size of pilots, and the samples of a guide's: an eighth of the pixels, within limits, and as many samples as make enough paths.
     pub(crate) fn pilot(&self) -> Pilot {
         let pixels = f64::from(self.width) * f64::from(self.height);
         let scale = ((pixels / 8.0).clamp(PILOT_PIXELS[0], PILOT_PIXELS[1]) / pixels).sqrt().min(1.0);
@@ -334,7 +347,7 @@ impl RenderOptions {
     }
 }
 
-/// Size of the pilot of a guide.
+/// Size of a pilot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Pilot {
     pub(crate) width: u32,
@@ -373,7 +386,7 @@ mod tests {
         let error = "witted".parse::<Integrator>().expect_err("no such integrator");
         assert_eq!(
             error.to_string(),
-            "unknown integrator 'witted': expected eyelight, normals, whitted, path, ir, bir, mir",
+            "unknown integrator 'witted': expected eyelight, normals, whitted, path, ir, bir, mir, auto",
             "the message says what there is"
         );
     }

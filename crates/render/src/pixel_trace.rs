@@ -53,7 +53,15 @@ pub fn trace_pixel(
     x: u32,
     y: u32,
 ) -> Result<PixelTrace, RenderError> {
-    let options = RenderOptions { crop: None, heatmap: false, aovs: false, interleave: 1, ..options.clone() };
+    let integrator = options.integrator.without_pilot();
+    let options = RenderOptions {
+        integrator,
+        crop: None,
+        heatmap: false,
+        aovs: false,
+        interleave: 1,
+        ..options.clone()
+    };
     options.region()?;
     if x >= options.width || y >= options.height {
         return Err(RenderError::NoSuchPixel { x, y, width: options.width, height: options.height });

@@ -4,6 +4,7 @@
 
 use std::fmt;
 
+use crate::options::Integrator;
 use crate::state::{SavedState, put_f64, put_u32};
 
 /// The largest counter that is believed.
@@ -40,6 +41,57 @@ impl fmt::Display for GuideStats {
     }
 }
 
+/// What a pilot found out about an integrator.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MethodStats {
+    /// Variance of a sample of a pixel over the square of its brightness, in the mean over pixels.
+    pub variance: f64,
+    /// Cost of a sample of a pixel, in rays; those that gather from virtual lights count less, for they take less time.
+    pub cost: f64,
+    /// Mean of the pixels over their brightness, as both integrators together show it: about 1.
+    pub mean: f64,
+    /// Standard error of the mean.
+    pub mean_error: f64,
+}
+
+impl MethodStats {
+    /// Variance for equal cost: the smaller, the better.
+    #[must_use]
+    pub fn product(&self) -> f64 {
+        self.variance * self.cost
+    }
+}
+
+impl fmt::Display for MethodStats {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { variance, cost, mean, mean_error } = self;
+        write!(f, "variance {variance:.3} x cost {cost:.1}, mean {mean:.3} +- {mean_error:.3}")
+    }
+}
+
+/// The choice of [`Integrator::Auto`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChoiceStats {
+    /// The integrator that renders the picture.
+    pub integrator: Integrator,
+    /// Paths and virtual lights; `None` without a pilot, where virtual lights do not show all that the picture asks for.
+    pub methods: Option<[MethodStats; 2]>,
+    /// Wall-clock seconds of the pilot.
+    pub seconds: f64,
+}
+
+impl fmt::Display for ChoiceStats {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { integrator, methods, seconds } = self;
+        match methods {
+            Some([paths, lights]) => {
+                write!(f, "{integrator}, {seconds:.2} s; path: {paths}; bir: {lights}")
+            }
+            None => write!(f, "{integrator}: virtual lights do not show all that the picture asks for"),
+        }
+    }
+}
+
 /// Counters of a rendering.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderStats {
@@ -73,6 +125,8 @@ pub struct RenderStats {
     pub threads: usize,
     /// The guide of paths, if one was asked for; not stored in checkpoints.
     pub guide: Option<GuideStats>,
+    /// The choice of the integrator, if it was left to a pilot; not stored in checkpoints.
+    pub choice: Option<ChoiceStats>,
 }
 
 impl RenderStats {

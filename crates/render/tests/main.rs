@@ -6,6 +6,7 @@
 mod accumulation;
 mod agreement;
 mod appearance;
+mod auto;
 mod bands;
 mod bumps;
 mod caustics;

@@ -27,7 +27,9 @@ impl Shown {
     /// All kinds, in the order of the keys 1 to 9 and 0.
     #[must_use]
     pub fn all() -> Vec<Self> {
-        let light = Integrator::ALL.into_iter().map(Self::Light);
+        // There is no time for pilots here.
+        let light = Integrator::ALL.into_iter().filter(|&integrator| integrator != Integrator::Auto);
+        let light = light.map(Self::Light);
         let ids = ["material", "instance", "prim"].map(Self::Ids);
         light.chain([Self::Albedo, Self::Depth]).chain(ids).chain([Self::Wireframe]).collect()
     }

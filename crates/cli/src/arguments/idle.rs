@@ -144,7 +144,7 @@ fn of_integrator(integrator: Integrator, tell: &mut impl FnMut(&[(&str, &str)], 
     if integrator.has_virtual_lights() {
         tell(&[("pixel_noise", "--pixel-noise")], &why);
     }
-    if integrator != Integrator::Path {
+    if integrator.without_pilot() != Integrator::Path {
         tell(&[("guide", "--guide"), ("caustics", "--caustics")], &why);
     }
     match integrator {

@@ -327,7 +327,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
         )));
     }
     let integrator = arguments.frame.integrator;
-    if arguments.light_groups && integrator != Integrator::Path {
+    if arguments.light_groups && integrator.without_pilot() != Integrator::Path {
         return Err(Failure::usage(format_args!(
             "--light-groups: unsupported with --integrator {integrator}; give --integrator path"
         )));
@@ -557,6 +557,9 @@ fn tell(stats: &RenderStats, arguments: &RenderArguments, messages: Messages) {
         stats.threads,
         million_rays / stats.seconds.max(1e-9)
     ));
+    if let Some(choice) = &stats.choice {
+        messages.detail(format_args!("integrator: {choice}"));
+    }
     if let Some(guide) = &stats.guide {
         messages.detail(format_args!("guide: {guide}"));
     }

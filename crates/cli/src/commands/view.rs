@@ -83,7 +83,8 @@ fn run_windowless(
         .transpose()
         .map_err(Failure::data)?;
     let frames = arguments.frames.unwrap_or(1);
-    let render = frame_options(&arguments.frame, level);
+    let mut render = frame_options(&arguments.frame, level);
+    render.integrator = render.integrator.without_pilot();
     // Frames that are not saved need no good exposure.
     let is_kept = output.is_some_and(Output::is_for_screens);
     let (show_view, note) = match arguments.light.exposure {

@@ -30,8 +30,9 @@ pub(super) fn show_window(
     signals::listen(FirstSignal::Leaves, messages)?;
     let (stage, chosen) = prepare(&source, arguments, level, &pool, messages)?;
     let mut render = frame_options(&arguments.frame, level);
+    // A pilot for each view would make it wait.
+    render.integrator = render.integrator.without_pilot();
     if render.guiding == Guiding::Auto {
-        // A pilot for each view would make it wait.
         render.guiding = Guiding::Off;
     }
     let (show_view, note) = show_view(arguments.light, &stage, &chosen, &render, &pool)?;

@@ -33,7 +33,8 @@ pub(crate) fn radiance(
                 radiance.reset(camera.rays.len(), glam::Vec3::ZERO);
             }
         }
-        Integrator::Path => path::radiance(tracer, camera, radiance),
+        // A pilot has chosen, unless there was none.
+        Integrator::Path | Integrator::Auto => path::radiance(tracer, camera, radiance),
         Integrator::Whitted => whitted::radiance(tracer, camera, radiance),
     }
 }

@@ -24,7 +24,7 @@ use super::whole::{Traced, Whole};
 use crate::film::TileFilm;
 use crate::job::Job;
 use crate::many_lights::{PersistentLights, alike};
-use crate::options::{Integrator, RenderOptions};
+use crate::options::RenderOptions;
 use crate::stats::RenderStats;
 use crate::world::{World, WorldMark};
 
@@ -90,7 +90,7 @@ impl PictureHistory {
     /// samples light at random, and the camera can project points. Other ones take one sample of each pixel.
     #[must_use]
     pub fn suits(world: &World, camera: &dyn CameraShader, options: &RenderOptions) -> bool {
-        let by_chance = options.integrator == Integrator::Path || options.integrator.has_virtual_lights();
+        let by_chance = options.integrator.needs_light_set();
         let is_plain = !options.aovs
             && !options.heatmap
             && options.crop.is_none()
