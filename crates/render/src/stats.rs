@@ -41,7 +41,7 @@ impl fmt::Display for GuideStats {
     }
 }
 
-/// What a pilot found out about an integrator.
+/// An integrator in a pilot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MethodStats {
     /// Variance of a sample of a pixel over the square of its brightness, in the mean over pixels.
