@@ -77,6 +77,8 @@
 //! * The API may change until version 1.0.
 #![deny(unsafe_code)]
 
+#[cfg(not(all(feature = "pbrt", feature = "usd")))]
+mod absent;
 mod camera_rays;
 pub mod defaults;
 pub mod display_rules;

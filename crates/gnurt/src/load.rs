@@ -4,16 +4,23 @@
 
 use std::ffi::OsStr;
 
+#[cfg(not(all(feature = "pbrt", feature = "usd")))]
+use crate::absent;
 use crate::scene::io;
 
 pub use io::{LoadOptions, Loaded};
 
 /// The scene formats: those of [`scene::io`](crate::scene::io), and those of other crates, one line each.
+/// Formats that were not compiled into this build are there, too: files of them are errors that tell how to get it.
 pub const FORMATS: io::Formats = io::FORMATS.with(&[
     #[cfg(feature = "pbrt")]
     &gnurt_pbrt::FORMAT,
+    #[cfg(not(feature = "pbrt"))]
+    &absent::PBRT,
     #[cfg(feature = "usd")]
     &gnurt_usd::FORMAT,
+    #[cfg(not(feature = "usd"))]
+    &absent::USD,
 ]);
 
 /// The prefix of built-in scenes' names.

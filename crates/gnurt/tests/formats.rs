@@ -43,6 +43,22 @@ fn the_page_lists_the_tables() {
 }
 
 #[test]
+#[cfg(not(feature = "usd"))]
+fn what_is_not_compiled_says_how_to_get_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.usda");
+    let missing = gnurt::load_scene(&file).expect_err("there is no file").to_string();
+    assert!(missing.contains("no such file"), "{missing}");
+    std::fs::write(&file, "#usda 1.0\n").expect("it can be written");
+    let read = gnurt::load_scene(&file).expect_err("it was not compiled").to_string();
+    let scene = gnurt::load_scene("builtin:cornell").expect("it is built in").scene;
+    let written = FORMATS.save(&scene, &file).expect_err("it was not compiled").to_string();
+    for message in [read, written] {
+        assert!(message.contains("without USD") && message.contains("--features usd"), "{message}");
+    }
+}
+
+#[test]
 fn extensions_are_listed_and_found() {
     let listed = FORMATS.read_extensions();
     for extension in listed.split(", ") {

@@ -121,7 +121,7 @@ pub(crate) fn install_at(locations: &Locations) -> Result<(), Failure> {
                 "--package",
                 "gnurt-anari",
                 "--features",
-                "gnurt-cli/ocio,gnurt-cli/window",
+                "gnurt-cli/installed",
             ];
             command::run(command::cargo().args(["build", "--release"]).args(packages))?;
             workspace.target.join("release")

@@ -79,7 +79,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         eprintln!("WARNING: {complaint}: these numbers are no results");
     }
     let target = Workspace::load()?.target;
-    command::run(command::cargo().args(["build", "--release", "-p", "gnurt-cli", "--features", "research"]))?;
+    let program = ["build", "--release", "-p", "gnurt-cli", "--features", "installed,research"];
+    command::run(command::cargo().args(program))?;
     let work = target.join("results");
     std::fs::create_dir_all(&work).map_err(|error| format!("'{}': {error}", work.display()))?;
     let setting = rows::Setting {
