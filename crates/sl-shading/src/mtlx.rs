@@ -92,7 +92,11 @@ mod reading {
     use super::{Access, Path, Written};
 
     fn none(file: &Path) -> String {
-        format!("{}: this build reads no MaterialX; its feature is `materialx`", file.display())
+        format!(
+            "{}: this program was compiled without MaterialX; `cargo run --release --features materialx -- ...` compiles \
+             it, and so does `cargo xtask install`",
+            file.display()
+        )
     }
 
     pub(crate) fn written(
