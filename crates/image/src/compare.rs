@@ -30,6 +30,22 @@ pub struct Comparison {
     pub differing_pixels: u64,
 }
 
+/// A picture of the differences between two of one size: false colours where `seen` has those that people see
+/// (of [`flip`](crate::flip())), else the values as they are, in linear light.
+#[must_use]
+pub fn differences(a: &Picture, b: &Picture, seen: Option<&[f32]>) -> Picture {
+    let mut picture = Picture::new(a.width, a.height);
+    let values = a.color.iter().zip(&b.color).enumerate();
+    for (pixel, (i, (a, b))) in picture.color.iter_mut().zip(values) {
+        let [red, green, blue] = match seen {
+            Some(seen) => crate::heat_color(seen[i]),
+            None => [0, 1, 2].map(|k| (a[k] - b[k]).abs()),
+        };
+        *pixel = [red, green, blue, 1.0];
+    }
+    picture
+}
+
 impl Comparison {
     /// Whether no pixel differs.
     #[must_use]

@@ -18,6 +18,7 @@ mod screen;
 pub mod srgb;
 mod ssim;
 mod stored;
+mod survey;
 mod texels;
 mod tile_file;
 mod tiles;
@@ -28,7 +29,7 @@ mod working_space;
 
 pub use budget::{Budget, Excess};
 pub use colors::convert_from;
-pub use compare::{Comparison, compare};
+pub use compare::{Comparison, compare, differences};
 pub use error::{Error, system_reason};
 pub use exposure::exposure_for;
 pub use file::{
@@ -44,6 +45,7 @@ pub use heat::{heat_color, heat_map};
 pub use picture::{BACKGROUND, Channel, ChannelData, Layer, Opacity, Picture};
 pub use pyramid::Weigh;
 pub use stored::{Stored, StoredLevel, StoredValues};
+pub use survey::Survey;
 pub use texels::{TexelData, Texels, Tiled};
 pub use tiles::{TileCache, TileCounts};
 pub use tone::{ToneCurve, screen_bytes};

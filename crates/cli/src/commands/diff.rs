@@ -7,7 +7,7 @@
 
 use std::path::Path;
 
-use gnurt::image::{self, Comparison, Picture};
+use gnurt::image::{self, Comparison};
 
 use crate::arguments::{DiffArguments, DisplayOptions};
 use crate::failure::{Failure, Outcome};
@@ -27,7 +27,7 @@ pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
         let output = Output::named(path)?;
         output.spare(&[arguments.a.clone(), arguments.b.clone()])?;
         output.check()?;
-        output.write(&differences(&a, &b, seen.as_deref()), DisplayOptions::default())?;
+        output.write(&image::differences(&a, &b, seen.as_deref()), DisplayOptions::default())?;
     }
     let both_are = |format: &str| has_extension(&arguments.a, format) && has_extension(&arguments.b, format);
     let with_opacity = both_are("png") || both_are("exr");
@@ -41,19 +41,6 @@ pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
         }
     }
     if passes { Ok(()) } else { Err(Failure::Differs) }
-}
-
-/// A picture of the differences: as false colours where they are those that people see, else as they are.
-fn differences(a: &Picture, b: &Picture, seen: Option<&[f32]>) -> Picture {
-    let mut picture = Picture::new(a.width, a.height);
-    for (i, pixel) in picture.color.iter_mut().enumerate() {
-        let [r, g, b] = match seen {
-            Some(seen) => image::heat_color(seen[i]),
-            None => [0, 1, 2].map(|k| (a.color[i][k] - b.color[i][k]).abs()),
-        };
-        *pixel = [r, g, b, 1.0];
-    }
-    picture
 }
 
 /// Whether no value differs by more than `tolerance`; a tolerance of 0 requires equal bits.

@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gnurt::image::{ChannelData, Picture};
+use gnurt::image::{ChannelData, Survey};
 use serde_json::json;
 
 use crate::failure::{Failure, Outcome};
@@ -15,9 +15,7 @@ use crate::workers::read_picture;
 /// Prints the contents of a picture file.
 pub(super) fn run(path: &Path, json: bool) -> Outcome {
     let picture = read_picture(path).map_err(Failure::data)?;
-    let [least, most] = range(&picture);
-    let odd = picture.color.iter().filter(|pixel| pixel.iter().any(|x| !x.is_finite())).count();
-    let open = picture.color.iter().filter(|pixel| pixel[3] < 1.0).count();
+    let Survey { least, greatest, odd, open } = Survey::of(&picture);
     if json {
         let layers: Vec<_> = picture
             .layers
@@ -34,7 +32,7 @@ pub(super) fn run(path: &Path, json: bool) -> Outcome {
             "width": picture.width,
             "height": picture.height,
             "least": least,
-            "greatest": most,
+            "greatest": greatest,
             "pixels_not_finite": odd,
             "pixels_transparent": open,
             "layers": layers,
@@ -48,7 +46,7 @@ pub(super) fn run(path: &Path, json: bool) -> Outcome {
     };
     row("picture", path.display().to_string());
     row("size", format!("{} x {}", picture.width, picture.height));
-    row("values", format!("{} to {}, linear", list(least), list(most)));
+    row("values", format!("{} to {}, linear", list(least), list(greatest)));
     row("pixels", format!("{open} partly or wholly transparent, {odd} with values that are not finite"));
     row("layers", picture.layers.len().to_string());
     for layer in &picture.layers {
@@ -66,16 +64,6 @@ pub(super) fn run(path: &Path, json: bool) -> Outcome {
         row("", format!("{name}: {value}"));
     }
     print(text.trim_end())
-}
-
-/// The least and the greatest finite value of red, green and blue.
-fn range(picture: &Picture) -> [[f32; 3]; 2] {
-    let of = |k: usize, start: f32, pick: fn(f32, f32) -> f32| {
-        let finite = picture.color.iter().map(|pixel| pixel[k]).filter(|x| x.is_finite());
-        let found = finite.fold(start, pick);
-        if found.is_finite() { found } else { 0.0 }
-    };
-    [[0, 1, 2].map(|k| of(k, f32::INFINITY, f32::min)), [0, 1, 2].map(|k| of(k, f32::NEG_INFINITY, f32::max))]
 }
 
 fn list(values: [f32; 3]) -> String {
