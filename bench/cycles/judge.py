@@ -5,7 +5,9 @@ and the number of pixels that differ by more than a thousandth.
 Needs `pip install bpy OpenEXR numpy`. Blender's module finds `libembree4.so.4` by name, so preloading a library of that name
 replaces its own.
 
-    python judge.py LIBRARY [--samples N] [--size N] [SCENE ...]
+    python judge.py LIBRARY [--samples N] [--size N] [--seed N] [SCENE ...]
+
+How far Embree is from itself at another level of the CPU: LIBRARY made of device.c, and EMBREE_CONFIG.
 """
 import argparse
 import json
@@ -27,7 +29,7 @@ def scene(make):
 class Stage:
     """A floor, a lamp, a camera and a grey world; made anew for each picture."""
 
-    def __init__(self, samples, size):
+    def __init__(self, samples, size, seed):
         import bpy
 
         self.bpy = bpy
@@ -36,7 +38,7 @@ class Stage:
         scene.render.engine = "CYCLES"
         scene.cycles.device = "CPU"
         scene.cycles.samples = samples
-        scene.cycles.seed = 3
+        scene.cycles.seed = seed
         scene.cycles.use_adaptive_sampling = False
         scene.cycles.use_denoising = False
         scene.render.threads_mode = "FIXED"
@@ -310,7 +312,7 @@ def read(path):
 
 def render(arguments, name, library, output):
     command = [sys.executable, __file__, library, "--draw", name, output]
-    command += ["--samples", str(arguments.samples), "--size", str(arguments.size)]
+    command += ["--samples", str(arguments.samples), "--size", str(arguments.size), "--seed", str(arguments.seed)]
     changed = {"LD_PRELOAD": library} if library else {}
     done = subprocess.run(command, env={**os.environ, **changed}, capture_output=True, text=True)
     if done.returncode:
@@ -325,7 +327,7 @@ def render(arguments, name, library, output):
 
 def draw(arguments):
     name, output = arguments.draw
-    stage = Stage(arguments.samples, arguments.size)
+    stage = Stage(arguments.samples, arguments.size, arguments.seed)
     SCENES[name](stage)
     stage.scene.render.filepath = output
     stage.bpy.ops.render.render(write_still=True)
@@ -339,6 +341,7 @@ def main():
     parser.add_argument("scenes", nargs="*")
     parser.add_argument("--samples", type=int, default=4)
     parser.add_argument("--size", type=int, default=96)
+    parser.add_argument("--seed", type=int, default=3)
     parser.add_argument("--draw", nargs=2, help=argparse.SUPPRESS)
     parser.add_argument("--json")
     arguments = parser.parse_args()
@@ -363,7 +366,7 @@ def main():
             print(f"{name:20} {values[name]['psnr']:6.1f} dB, {pixels} pixels differ  {' | '.join(new)}", flush=True)
     if arguments.json:
         with open(arguments.json, "w", encoding="utf-8") as file:
-            json.dump({"samples": arguments.samples, "size": arguments.size, "scenes": values}, file, indent=1)
+            json.dump({"samples": arguments.samples, "size": arguments.size, "seed": arguments.seed, "scenes": values}, file, indent=1)
     return None
 
 
