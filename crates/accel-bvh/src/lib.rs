@@ -54,7 +54,7 @@ mod walk;
 pub use blocked::Inputs;
 pub use blocks::{BlockIndex, BlockSort};
 pub use boxes::{BoxEdit, BoxIndex, EnterMembers, Member, MetBlock};
-pub use doubles::{DoubleBoxes, DoubleIndex, DoubleLine, LastMet};
+pub use doubles::{DoubleBoxes, DoubleIndex, DoubleLine, LastMet, LineTile};
 pub use index::BvhIndex;
 pub use kernels::Kernels;
 pub use motion::MotionIndex;

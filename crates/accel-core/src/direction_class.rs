@@ -24,6 +24,15 @@ impl DirectionClass {
             .then(|| Self { backwards: [has(2), has(1), has(0)], longest_axis: code / 8 })
     }
 
+    /// That of a direction in double precision; -0 goes backwards.
+    #[must_use]
+    #[inline(always)]
+    pub fn of_doubles(dir: &[f64; 3]) -> Self {
+        let [x, y, z] = dir.map(f64::abs);
+        let longest_axis = if x >= y && x >= z { 0 } else { 2 - usize::from(y >= z) };
+        Self { backwards: dir.map(f64::is_sign_negative), longest_axis }
+    }
+
     /// Rows of a node of the wide BVH with its nearer planes; the farther ones are next to them.
     #[inline(always)]
     pub fn rows(&self) -> [usize; 3] {

@@ -24,7 +24,29 @@ pub(crate) fn answer_each<Q: Sync, A: Send, T>(
     answer_shares(threads, SHARE, questions, answers, scratch, answer);
 }
 
-/// The same, in shares of this size.
+/// Answers questions share by share; `answer` adds one answer for each question.
+pub(crate) fn answer_by_shares<Q: Sync, A: Send>(
+    threads: Threads,
+    questions: &[Q],
+    answer: impl Fn(&[Q], &mut Vec<A>) + Send + Sync,
+) -> Vec<A> {
+    let mut answers = Vec::with_capacity(questions.len());
+    threads.run(|parallel| {
+        if !parallel {
+            return answer(questions, &mut answers);
+        }
+        let shares: Vec<&[Q]> = questions.chunks(SHARE).collect();
+        let of_share = |i: usize| {
+            let mut answers = Vec::with_capacity(SHARE);
+            answer(shares[i], &mut answers);
+            answers
+        };
+        map(true, shares.len(), of_share).into_iter().for_each(|share| answers.extend(share));
+    });
+    answers
+}
+
+/// [`answer_each`] in shares of this size.
 fn answer_shares<Q: Sync, A: Send, T>(
     threads: Threads,
     least: usize,

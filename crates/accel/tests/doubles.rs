@@ -149,6 +149,55 @@ fn batches_are_as_single_rays() {
     assert!(scene.intersect_batch(&asked, Threads::Single) == hits, "closest hits");
 }
 
+/// 64 rays from about one place to about another, side by side.
+fn bundle(random: &mut Random, offset: f64, org: P, to: P, spread: f64) -> Vec<DoubleRay> {
+    let middle = ray(org, minus(to, org), offset);
+    let mut near = |x: f64| x + spread * f64::from(random.unit() - 0.5);
+    (0..64).map(|_| DoubleRay { dir: middle.dir.map(&mut near), ..middle }).collect()
+}
+
+#[test]
+fn rays_side_by_side_are_as_single_rays() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
+    let mesh = Mesh::torus(24);
+    let mut random = Random::new(36);
+    for offset in [0.0, 1e6, 1e8] {
+        let scene = scene(&mesh, offset, &BuildOptions::default());
+        let (mut asked, mut alike) = (Vec::new(), 0);
+        for (i, (org, dir)) in rays(&mesh, &mut random, 300).into_iter().enumerate() {
+            let to = [0, 1, 2].map(|k| org[k] + dir[k]);
+            // From one ray 64 times, aimed at an edge or a corner, to a fan wider than the mesh.
+            let spread = [0.0, 1e-9, 0.01, 0.3, 4.0][i % 5];
+            let mut tile = bundle(&mut random, offset, org, to, spread);
+            for (k, ray) in tile.iter_mut().enumerate() {
+                match i % 7 {
+                    // Of several origins, which go elsewhere into the tree.
+                    1 => ray.org[k % 3] += 1e-3 * k as f64,
+                    2 if k % 3 == 0 => *ray = ray.within(0.1, 0.999),
+                    3 => ray.org = ray.org.map(|x| x - 1e4 * (x - offset)),
+                    4 if k == 40 => ray.dir = [f64::NAN; 3],
+                    5 if k % 2 == 0 => ray.dir = ray.dir.map(|x| x * 1e-12),
+                    _ => {}
+                }
+            }
+            let signs = |ray: &DoubleRay| ray.dir.map(f64::is_sign_negative);
+            alike += usize::from(tile.iter().all(|ray| signs(ray) == signs(&tile[0])));
+            asked.append(&mut tile);
+        }
+        assert!(alike > 150, "{alike} of 300 go side by side");
+        asked.truncate(asked.len() - 20);
+        let hits: Vec<_> = asked.iter().map(|ray| scene.intersect(ray)).collect();
+        let met = hits.iter().flatten().count();
+        assert!(met > asked.len() / 4 && met < asked.len(), "some meet it: {met} of {}", asked.len());
+        for threads in [Threads::Single, Threads::Pool(&pool)] {
+            let found = scene.intersect_batch(&asked, threads);
+            assert_eq!(found.len(), hits.len());
+            let differ = found.iter().zip(&hits).position(|(a, b)| a != b);
+            assert_eq!(differ.map(|i| (i, asked[i], found[i], hits[i])), None, "at {offset}");
+        }
+    }
+}
+
 #[test]
 fn the_lowest_number_counts_at_one_place() {
     let mesh = Mesh::torus(12);

@@ -3,6 +3,7 @@
 //! Source: the shear of [WBW13]. Tests: `tests/doubles.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::slab::SLACK;
 use gnurt_accel_core::triangle::axes_from;
 use gnurt_simd::{Simd, f64x8, prelude::*};
@@ -73,9 +74,7 @@ impl Prepared {
         }
         let drift = if line.off_dir == 0.0 { 0.0 } else { start * line.off_dir };
         let off = line.off_org + drift + f64::EPSILON * rounding;
-        let size = line.dir.map(f64::abs);
-        let last =
-            if size[0] >= size[1] && size[0] >= size[2] { 0 } else { 2 - usize::from(size[1] >= size[2]) };
+        let last = DirectionClass::of_doubles(&line.dir).longest_axis;
         let per = 1.0 / per_unit;
         let off_shear = 2.0 * (line.off_dir * per).min(1.0) + 2.0 * f64::EPSILON;
         // The inverse of the least numbers is infinite.

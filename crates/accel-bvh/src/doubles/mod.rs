@@ -11,7 +11,9 @@ mod grid;
 mod index;
 mod line;
 mod rays;
+mod tiles;
 
 pub use index::{DoubleBoxes, DoubleIndex};
 pub use line::DoubleLine;
 pub use rays::Last as LastMet;
+pub use tiles::LineTile;

@@ -9,6 +9,7 @@ use gnurt_accel_core::INVALID_ID;
 use gnurt_accel_core::exact::{Along, Corners, Line};
 use gnurt_simd::{Level, Simd, dispatch};
 
+use super::block::DoubleBlock;
 use super::index::DoubleIndex;
 use super::line::{DoubleLine, Given, Lanes, Prepared};
 use crate::node::{Child, WIDTH};
@@ -46,13 +47,46 @@ impl Last {
 
 /// The nearest triangle so far.
 #[derive(Clone, Copy)]
-struct Best {
+pub(super) struct Best {
     t: f64,
     number: u32,
     corners: [[f64; 3]; 3],
 }
 
 impl Best {
+    /// None before the end of a line.
+    #[inline(always)]
+    pub(super) fn none(line: &Line) -> Self {
+        Self { t: line.far, number: INVALID_ID, corners: [[0.0; 3]; 3] }
+    }
+
+    /// Whether there is one.
+    #[inline(always)]
+    pub(super) fn is_met(&self) -> bool {
+        self.number != INVALID_ID
+    }
+
+    /// Its corners.
+    #[inline(always)]
+    pub(super) fn corners(&self) -> &[[f64; 3]; 3] {
+        &self.corners
+    }
+
+    /// The weights of its second and third corner.
+    #[inline(always)]
+    pub(super) fn weights(&self, line: &Line) -> [f64; 2] {
+        line.weights(&Corners::plain(&self.corners))
+    }
+
+    /// Its number, the parameter, and its weights.
+    #[inline(always)]
+    pub(super) fn weighed(&self, weights: impl FnOnce() -> [f64; 2]) -> Option<(u32, [f64; 3])> {
+        self.is_met().then(|| {
+            let [u, v] = weights();
+            (self.number, [self.t, u, v])
+        })
+    }
+
     /// Whether the line meets a triangle before the best one, in whose place it then is. `is_certain`: the line passes inside.
     #[inline(always)]
     fn is_improved(
@@ -87,13 +121,13 @@ impl Best {
     }
 
     #[inline(always)]
-    fn reach(&self) -> f64 {
+    pub(super) fn reach(&self) -> f64 {
         DoubleIndex::reach(self.t)
     }
 
     /// The end of the line, or [`reach`](Self::reach) where it met one.
     #[inline(always)]
-    fn far(&self) -> f64 {
+    pub(super) fn far(&self) -> f64 {
         if self.number == INVALID_ID { self.t } else { self.reach() }
     }
 }
@@ -109,7 +143,13 @@ impl DoubleIndex {
     /// The number of the triangle that the line meets first, the parameter, and the weights of its second and third corner.
     #[must_use]
     pub fn closest(&self, level: Level, line: &Line) -> Option<(u32, [f64; 3])> {
-        let mut best = Best { t: line.far, number: INVALID_ID, corners: [[0.0; 3]; 3] };
+        let best = self.best(level, line);
+        best.weighed(|| best.weights(line))
+    }
+
+    /// The triangle that the line meets first.
+    pub(super) fn best(&self, level: Level, line: &Line) -> Best {
+        let mut best = Best::none(line);
         if self.over.tree.nodes.is_empty() {
             self.search(level, &exact(line), line.far, &mut |(number, corners, is_certain)| {
                 best.is_improved(line, number, corners, is_certain, None);
@@ -118,11 +158,7 @@ impl DoubleIndex {
         } else {
             dispatch!(level, simd => self.closest_with(simd, line, &mut best));
         }
-        let weights = || line.weights(&Corners::plain(&best.corners));
-        (best.number != INVALID_ID).then(|| {
-            let [u, v] = weights();
-            (best.number, [best.t, u, v])
-        })
+        best
     }
 
     /// Whether the line meets any triangle. `last`: of a line before in this tree, or none.
@@ -164,18 +200,9 @@ impl DoubleIndex {
             #[inline(always)]
             |range| {
                 for block in &over.blocks[range] {
-                    let candidates = block.candidates(simd, &lanes, depth);
-                    if candidates.is_empty() {
-                        continue;
-                    }
-                    let alongs = block.alongs(simd, &given);
-                    for (lane, is_certain) in candidates.of(alongs.within(line.near, best.far())) {
-                        let number = block.numbers[lane];
-                        let along = Some(alongs.at(lane));
-                        if best.is_improved(line, number, &block.corners(lane), is_certain, along) {
-                            let far = best.reach();
-                            (reach, depth) = (prepared.reach(far), prepared.depth(far));
-                        }
+                    if block.improves(simd, line, &lanes, &given, depth, best) {
+                        let far = best.reach();
+                        (reach, depth) = (prepared.reach(far), prepared.depth(far));
                     }
                 }
                 reach
@@ -227,7 +254,34 @@ impl DoubleIndex {
     }
 }
 
+impl DoubleBlock {
+    /// Whether the line meets one of the triangles before the best one, in whose place it then is; `depth` is not before its end.
+    #[inline(always)]
+    pub(super) fn improves<S: Simd>(
+        &self,
+        simd: S,
+        line: &Line,
+        lanes: &Lanes<S>,
+        given: &Given<S>,
+        depth: f64,
+        best: &mut Best,
+    ) -> bool {
+        let candidates = self.candidates(simd, lanes, depth);
+        if candidates.is_empty() {
+            return false;
+        }
+        let alongs = self.alongs(simd, given);
+        let mut improves = false;
+        for (lane, is_certain) in candidates.of(alongs.within(line.near, best.far())) {
+            let (number, along) = (self.numbers[lane], Some(alongs.at(lane)));
+            improves |= best.is_improved(line, number, &self.corners(lane), is_certain, along);
+        }
+        improves
+    }
+}
+
 /// In the space of the query.
-fn exact(line: &Line) -> DoubleLine {
+#[inline(always)]
+pub(super) fn exact(line: &Line) -> DoubleLine {
     DoubleLine { org: line.org, dir: line.dir, near: line.near, off_org: 0.0, off_dir: 0.0 }
 }

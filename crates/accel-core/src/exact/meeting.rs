@@ -18,7 +18,7 @@ use super::twice::Twice;
 const FINE: f64 = 9e-14;
 
 /// The error that a weight may have in doubles, of 1.
-const FINE_WEIGHT: f64 = 1e-10;
+pub(super) const FINE_WEIGHT: f64 = 1e-10;
 
 /// Parameters that differ by less of themselves are compared by more precise numbers.
 const ALIKE: f64 = 4e-13;
@@ -26,7 +26,7 @@ const ALIKE: f64 = 4e-13;
 /// Numbers of twice the precision are good for sums that lose this much to cancellation.
 const LOST: f64 = 1e-14;
 
-const EDGES: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
+pub(super) const EDGES: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
 /// Where a line meets the plane of a triangle, in doubles.
 #[derive(Clone, Copy)]

@@ -11,6 +11,7 @@ mod number;
 mod path;
 mod plane;
 mod twice;
+mod weights;
 
 pub use ball::side_of_sphere;
 pub(crate) use exact_hit::ExactHit;
@@ -18,3 +19,4 @@ pub use line::Line;
 pub use meeting::{Along, Corners};
 pub use path::{InstancePath, Triangle};
 pub use plane::{LOST_SLOPE, Meeting, PLAIN};
+pub use weights::EIGHT;

@@ -4,14 +4,16 @@
 
 use std::cmp::Ordering;
 
-use gnurt_accel_bvh::{DoubleIndex, LastMet};
+use gnurt_accel_bvh::{DoubleIndex, LastMet, LineTile};
+use gnurt_accel_core::bits::TILE;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::exact::{Corners, Line, Triangle};
 use gnurt_accel_core::{INVALID_ID, Threads};
 use gnurt_simd::Level;
 
 use super::lines::{Candidate, along_path, search};
 use super::scene::DoubleScene;
-use crate::lists::answer_each;
+use crate::lists::{answer_by_shares, answer_each};
 
 /// `org + t * dir` for `t` in `[t_near, t_far]`. A ray with a number that is not finite (but the far end), without a
 /// direction or with an empty interval hits nothing; `t_near` below 0 counts as 0.
@@ -208,10 +210,38 @@ impl DoubleScene {
         count
     }
 
-    /// [`intersect`](Self::intersect) of many rays.
+    /// [`intersect`](Self::intersect) of many rays. Those that go side by side, as a camera's do in tiles of 8 x 8, take least time.
     #[must_use]
     pub fn intersect_batch(&self, rays: &[DoubleRay], threads: Threads) -> Vec<Option<DoubleHit>> {
-        each(rays, threads, |ray| self.intersect(ray))
+        answer_by_shares(threads, rays, |rays, hits| {
+            let mut tile = LineTile::default();
+            for rays in rays.chunks(TILE) {
+                if !self.intersect_tile(rays, &mut tile, hits) {
+                    hits.extend(rays.iter().map(|ray| self.intersect(ray)));
+                }
+            }
+        })
+    }
+
+    /// The hits of 64 valid rays that see everything; `false`, and none, of others.
+    fn intersect_tile(
+        &self,
+        rays: &[DoubleRay],
+        tile: &mut LineTile,
+        hits: &mut Vec<Option<DoubleHit>>,
+    ) -> bool {
+        let Ok(rays) = <&[DoubleRay; TILE]>::try_from(rays) else { return false };
+        let mut lines = [Line::new([0.0; 3], [1.0; 3], 0.0, 0.0); TILE];
+        for (line, ray) in lines.iter_mut().zip(rays) {
+            let Some(valid) = ray.line().filter(|_| self.shows_all(ray.mask)) else { return false };
+            *line = valid;
+        }
+        let class = DirectionClass::of_doubles(&rays[0].dir);
+        let is_alike = rays.iter().all(|ray| DirectionClass::of_doubles(&ray.dir) == class);
+        self.index.closest_of_tile(Level::best(), &lines, is_alike.then_some(class), tile, |found| {
+            hits.push(found.map(|(number, at)| Found { at, leaf: 0, number }.hit(self)));
+        });
+        true
     }
 
     /// [`occluded`](Self::occluded) of many rays.
