@@ -38,7 +38,7 @@ pub(crate) const USD: Format = Format {
 /// The error of a file of such a format.
 fn absent(path: &Path, name: &str, feature: &str) -> Error {
     let remedy = format!(
-        "`cargo run --release --features {feature} -- ...` compiles it, and so does `cargo xtask install`"
+        "`cargo run --release --features {feature} -- ...` compiles it; `cargo build --release` and `cargo xtask install` have all formats"
     );
     Error::data(path, None, format!("this program was compiled without {name}"), remedy)
 }

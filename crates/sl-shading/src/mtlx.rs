@@ -94,7 +94,7 @@ mod reading {
     fn none(file: &Path) -> String {
         format!(
             "{}: this program was compiled without MaterialX; `cargo run --release --features materialx -- ...` compiles \
-             it, and so does `cargo xtask install`",
+             it; `cargo build --release` and `cargo xtask install` have all formats",
             file.display()
         )
     }
