@@ -113,7 +113,7 @@ fn compile(setting: &Setting) -> Result<Value, Failure> {
         std::fs::remove_dir_all(&folder).map_err(|error| format!("'{}': {error}", folder.display()))?;
     }
     command::run(command::cargo().arg("fetch"))?;
-    let arguments = ["run", "--release", "--", "render", "builtin:island", "-o"];
+    let arguments = ["run", "--release", "--no-default-features", "--", "render", "builtin:island", "-o"];
     let begin = Instant::now();
     let mut build = command::cargo();
     build.args(arguments).arg(setting.work.join("island.png")).env("CARGO_TARGET_DIR", &folder);
