@@ -57,6 +57,7 @@ struct Entry {
 
 impl LineTile {
     /// Makes lines of one direction class ready, if they may go together.
+    #[inline(always)]
     fn prepare(&mut self, index: &DoubleIndex, lines: &[Line; TILE]) -> bool {
         let over = &index.over;
         if over.tree.nodes.is_empty() {
@@ -115,10 +116,9 @@ impl DoubleIndex {
         tile: &mut LineTile,
         mut answer: impl FnMut(Option<(u32, [f64; 3])>),
     ) {
-        let is_together = class.is_some_and(|class| {
-            tile.prepare(self, lines)
-                && dispatch_wide!(level, simd => self.walk_tile(simd, lines, class, tile), else false)
-        });
+        let is_together = class.is_some_and(
+            |class| dispatch_wide!(level, simd => self.walk_tile(simd, lines, class, tile), else false),
+        );
         if !is_together {
             tile.best.clear();
             tile.best.extend(lines.iter().map(|line| self.best(level, line)));
@@ -129,6 +129,7 @@ impl DoubleIndex {
         }
     }
 
+    /// Whether the lines could go together; then `tile` has what they meet first.
     #[inline(always)]
     fn walk_tile<S: Simd>(
         &self,
@@ -137,6 +138,9 @@ impl DoubleIndex {
         class: DirectionClass,
         tile: &mut LineTile,
     ) -> bool {
+        if !tile.prepare(self, lines) {
+            return false;
+        }
         let LineTile { rays, nearest, prepared, best, greatest, .. } = tile;
         let (tree, blocks) = (&self.over.tree, &self.over.blocks);
         let Some(mut chunks) = Chunks::new(simd, rays, TILE, class, *greatest, nearest, |_| false) else {
