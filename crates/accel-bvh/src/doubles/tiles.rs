@@ -85,7 +85,7 @@ impl LineTile {
         true
     }
 
-    /// The weights of what lines met; true.
+    /// The weights of the triangles that lines met; always true.
     #[inline(always)]
     fn weigh<S: Simd>(&mut self, simd: S, lines: &[Line; TILE]) -> bool {
         let weights = self.weights.as_chunks_mut::<EIGHT>().0;
@@ -129,7 +129,7 @@ impl DoubleIndex {
         }
     }
 
-    /// Whether the lines could go together; then `tile` has what they meet first.
+    /// Whether the lines could go together; then `tile` has the first triangle of each.
     #[inline(always)]
     fn walk_tile<S: Simd>(
         &self,
