@@ -18,6 +18,7 @@ use gnurt_image::srgb::luminance;
 use super::spherical;
 use crate::batch::Vec3s;
 use crate::materials::{Coverage, Emission};
+use crate::real::Vector;
 use crate::sampling::distribution::ALMOST_ONE;
 use crate::sampling::{self, Distribution};
 use crate::shader::{LightBatch, LightShader, SurfaceShader};
@@ -216,14 +217,15 @@ impl Shape {
 
     /// The same where it is not uniform by area.
     pub(super) fn wide_position(&self, p: Vec3, u: [f32; 2]) -> Option<([f32; 2], f32)> {
-        let corners = self.p.map(|q| q - p);
-        spherical::wide_angle(corners, self.area).map(|angle| (spherical::sample(corners, u), 1.0 / angle))
+        let corners = self.p.map(|q| Vector::from(q - p));
+        let (wide, angle) = spherical::wide_angle(corners, self.area);
+        wide.then(|| (spherical::sample(corners, angle, u), 1.0 / angle))
     }
 
     /// Density per solid angle at `p` of the position that lies along the unit `dir`, `dist` away; 0 from behind.
     pub(super) fn density(&self, p: Vec3, dir: Vec3, dist: f32) -> f32 {
-        let wide = spherical::wide_angle(self.p.map(|q| q - p), self.area);
-        self.density_of(wide.map(|angle| 1.0 / angle), dir, dist)
+        let (wide, angle) = spherical::wide_angle(self.p.map(|q| Vector::from(q - p)), self.area);
+        self.density_of(wide.then(|| 1.0 / angle), dir, dist)
     }
 
     /// The same for a position that [`position`](Self::position) gave with this density.

@@ -13,6 +13,7 @@ use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 use super::area::{EmitterPoint, Shape};
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
+use super::spherical;
 use crate::lanes::{Floats, LANES, LanesOf, Mask, UInts, Vec3x16, transpose};
 use crate::real::{Real, Vector};
 use crate::sampling::distribution::ALMOST_ONE;
@@ -163,13 +164,13 @@ impl LightLanes {
         let (area, [mut b1, mut b2]) = (row[12], triangle([x, y]));
         // Near large triangles by solid angle.
         let mut wide = f32x16::splat(simd, 0.0);
-        if let Some(triangles) = &parts.triangles {
-            for i in LanesOf(found.to_bitmask()) {
-                let shape = &triangles.shapes[light[i] as usize];
-                if let Some((position, density)) = shape.wide_position(p.get(i), [x[i], y[i]]) {
-                    ([b1[i], b2[i]], wide[i]) = (position, density);
-                }
-            }
+        let from_here = [corners[0] - p, corners[1] - p, corners[2] - p];
+        let (near, angle) = spherical::wide_angle(from_here, area);
+        let near = near & found;
+        if near.any_true() {
+            let [w1, w2] = spherical::sample(from_here, angle, [x, y]);
+            (b1, b2) = (near.select(w1, b1), near.select(w2, b2));
+            wide = near.select(f32x16::splat(simd, 1.0) / angle, wide);
         }
         let point = corners[0] + (corners[1] - corners[0]) * b1 + (corners[2] - corners[0]) * b2;
         let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs()).max(p.abs()).max_element();

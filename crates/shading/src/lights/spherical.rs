@@ -3,9 +3,10 @@
 //! points uniform by area.
 //! Source: [Arv95] as in [PJH23] section 6.5.4. Space: corners relative to the viewer. Tests: `tests`.
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
-use glam::Vec3;
+use crate::real::{Real, Vector};
+use crate::sampling::sin_cos_of_fraction;
 
 /// Solid angles below are sampled by area: that is as good, and exact. So are those near a hemisphere's, seen from a point on
 /// the triangle.
@@ -14,61 +15,119 @@ const MOST: f32 = 6.0;
 /// A triangle is looked at if the square of the distance to its nearest corner or centre is below its area times this.
 const NEAR: f32 = 8.0;
 
-/// The solid angle of a triangle of this area, where its points are to be uniform by that; `None` where by area.
-pub(super) fn wide_angle(corners: [Vec3; 3], area: f32) -> Option<f32> {
-    let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-    let nearest =
-        corners.iter().fold(centre.length_squared(), |least, corner| least.min(corner.length_squared()));
-    if nearest >= NEAR * area {
-        return None;
+/// The solid angle of a triangle of this area, in the points where samples are to be uniform by that; in others by area.
+#[inline(always)]
+pub(super) fn wide_angle<R: Real>(corners: [Vector<R>; 3], area: R) -> (R::Mask, R) {
+    let centre = (corners[0] + corners[1] + corners[2]).over(area.all(3.0));
+    let nearest = centre.length_squared().or_less(corners[0].length_squared());
+    let nearest = nearest.or_less(corners[1].length_squared()).or_less(corners[2].length_squared());
+    let near = (area * NEAR).above(nearest) & nearest.above_all(0.0);
+    if !R::any(near) {
+        return (near, area.all(0.0));
     }
-    let [a, b, c] = corners.map(Vec3::normalize);
+    let [a, b, c] = unit(corners);
     // [vOS83]
-    let angle = 2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
-    (LEAST..MOST).contains(&angle).then_some(angle)
+    let angle = arc(a.dot(b.cross(c)).size(), a.dot(b) + b.dot(c) + c.dot(a) + area.all(1.0)) * 2.0;
+    (near & !angle.all(LEAST).above(angle) & angle.all(MOST).above(angle), angle)
 }
 
-/// Barycentric weights of the second and third corner for two numbers in [0, 1).
-pub(super) fn sample(corners: [Vec3; 3], u: [f32; 2]) -> [f32; 2] {
-    let [a, b, c] = corners.map(Vec3::normalize);
-    // Normals of the planes through the edges, and the angles between these planes.
-    let [ab, bc, ca] = [a.cross(b), b.cross(c), c.cross(a)].map(Vec3::normalize_or_zero);
-    let angle = |from: Vec3, to: Vec3| (-from.dot(to)).clamp(-1.0, 1.0).acos();
-    let [alpha, beta, gamma] = [angle(ab, ca), angle(bc, ab), angle(ca, bc)];
-    // A part of the triangle, with the same angle at a.
-    let part = PI + u[0] * (alpha + beta + gamma - PI);
-    let ((sin, cos), (sin_alpha, cos_alpha)) = (part.sin_cos(), alpha.sin_cos());
-    let sin_phi = sin * cos_alpha - cos * sin_alpha;
-    let cos_phi = cos * cos_alpha + sin * sin_alpha;
+/// The angle of a point above the x axis, from 0 to pi.
+#[inline(always)]
+fn arc<R: Real>(y: R, x: R) -> R {
+    let across = x.size();
+    let tangent = across.or_less(y) / across.or_more(y);
+    // Within an eighth of a half circle, where Taylor's series is exact.
+    let large = tangent.above_all(std::f32::consts::SQRT_2 - 1.0);
+    let one = x.all(1.0);
+    let t = R::pick(large, (tangent - one) / (tangent + one), tangent);
+    let t2 = t * t;
+    let series = (t2 * (1.0 / 13.0) + one.all(-1.0 / 11.0)) * t2 + one.all(1.0 / 9.0);
+    let series = ((series * t2 + one.all(-1.0 / 7.0)) * t2 + one.all(1.0 / 5.0)) * t2 + one.all(-1.0 / 3.0);
+    let angle = t + t * (series * t2);
+    let angle = R::pick(large, angle + one.all(FRAC_PI_4), angle);
+    let angle = R::pick(y.above(across), one.all(FRAC_PI_2) - angle, angle);
+    R::pick(one.all(0.0).above(x), one.all(std::f32::consts::PI) - angle, angle)
+}
+
+/// Barycentric weights of the second and third corner for two numbers in [0, 1), of triangles with this solid angle.
+#[inline(always)]
+pub(super) fn sample<R: Real>(corners: [Vector<R>; 3], angle: R, u: [R; 2]) -> [R; 2] {
+    let (zero, one) = (angle.all(0.0), angle.all(1.0));
+    let nothing = Vector::grey(zero);
+    let [a, b, c] = unit(corners);
+    // Normals of the planes through the edges at a, and the angle between these planes.
+    let (ab, ca) = (a.cross(b).normalize_or(nothing), c.cross(a).normalize_or(nothing));
+    let (sin_alpha, cos_alpha) = (ab.cross(ca).length_squared().root(), -ab.dot(ca));
+    // A part of the triangle, with the same angle at a: its angles add up to half a circle and this.
+    let (sin, cos) = sin_cos_of_fraction(u[0] * angle * (1.0 / TAU));
+    let sin_phi = cos * sin_alpha - sin * cos_alpha;
+    let cos_phi = -(cos * cos_alpha + sin * sin_alpha);
     let (k1, k2) = (cos_phi + cos_alpha, sin_phi - sin_alpha * a.dot(b));
     let cos_b =
         (k2 + (k2 * cos_phi - k1 * sin_phi) * cos_alpha) / ((k2 * sin_phi + k1 * cos_phi) * sin_alpha);
-    let cos_b = if cos_b.is_finite() { cos_b.clamp(-1.0, 1.0) } else { 1.0 };
-    let beside = |v: Vec3, along: Vec3| (v - along * v.dot(along)).normalize_or_zero();
-    let third = cos_b * a + (1.0 - cos_b * cos_b).max(0.0).sqrt() * beside(c, a);
+    let cos_b = R::pick(cos_b.is_number(), cos_b, one).within(-1.0, 1.0);
+    let third = a * cos_b + beside(c, a, nothing) * sine(cos_b);
     // A point between b and the part's third corner.
-    let cos_theta = 1.0 - u[1] * (1.0 - third.dot(b));
-    let dir = cos_theta * b + (1.0 - cos_theta * cos_theta).max(0.0).sqrt() * beside(third, b);
+    let cos_theta = one - u[1] * (one - third.dot(b));
+    let dir = b * cos_theta + beside(third, b, nothing) * sine(cos_theta);
     // Where that direction meets the triangle.
     let (e1, e2) = (corners[1] - corners[0], corners[2] - corners[0]);
     let s1 = dir.cross(e2);
-    let divisor = s1.dot(e1);
-    let (s, scale) = (-corners[0], 1.0 / divisor);
+    let scale = one / s1.dot(e1);
+    let s = -corners[0];
     let weights = [s.dot(s1) * scale, dir.dot(s.cross(e1)) * scale];
-    if !weights.iter().all(|weight| weight.is_finite()) {
-        return [1.0 / 3.0; 2];
-    }
+    let sound = weights[0].is_number() & weights[1].is_number();
     // Inside, whatever the rounding.
-    let [b1, b2] = weights.map(|weight| weight.clamp(0.0, 1.0));
-    let sum = (b1 + b2).max(1.0);
+    let middle = angle.all(1.0 / 3.0);
+    let b1 = R::pick(sound, weights[0], middle).within(0.0, 1.0);
+    let b2 = R::pick(sound, weights[1], middle).within(0.0, 1.0);
+    let sum = (b1 + b2).or_more(one);
     [b1 / sum, b2 / sum]
+}
+
+// Written out: closures of arrays' `map` become calls.
+#[inline(always)]
+fn unit<R: Real>([a, b, c]: [Vector<R>; 3]) -> [Vector<R>; 3] {
+    [a.normalize(), b.normalize(), c.normalize()]
+}
+
+/// The unit vector in the plane of both at a right angle to `along`, which is unit; or `nothing`.
+#[inline(always)]
+fn beside<R: Real>(v: Vector<R>, along: Vector<R>, nothing: Vector<R>) -> Vector<R> {
+    (v - along * v.dot(along)).normalize_or(nothing)
+}
+
+#[inline(always)]
+fn sine<R: Real>(cosine: R) -> R {
+    (cosine.all(1.0) - cosine * cosine).or_more(cosine.all(0.0)).root()
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::batch::SampleKey;
     use crate::sampling::sample_pair;
+
+    /// The solid angle where samples are uniform by it.
+    fn angle_of(corners: [Vec3; 3]) -> Option<f32> {
+        let (wide, angle) = wide_angle(corners.map(Vector::from), area(corners));
+        wide.then_some(angle)
+    }
+
+    #[test]
+    fn arcs_are_angles() {
+        let mut worst = 0.0_f64;
+        for i in 0..=100_000 {
+            let angle = f64::from(i) * std::f64::consts::PI / 1e5;
+            let (y, x) = (angle.sin() as f32, angle.cos() as f32);
+            let expected = f64::from(y.abs()).atan2(f64::from(x));
+            worst = worst.max((f64::from(arc(y.abs(), x)) - expected).abs());
+        }
+        assert!(worst < 4e-7, "{worst}");
+        assert_eq!((arc(0.0, 1.0), arc(0.0, -1.0)), (0.0, std::f32::consts::PI));
+    }
 
     /// Triangles of 0.02 to 4 sr, with long and short edges.
     fn triangles() -> [[Vec3; 3]; 4] {
@@ -104,28 +163,28 @@ mod tests {
     #[test]
     fn angles_are_integrals() {
         for corners in triangles() {
-            let found = wide_angle(corners, area(corners)).expect("it is wide");
+            let found = angle_of(corners).expect("it is wide");
             let expected = by_quadrature(corners);
             assert!((f64::from(found) / expected - 1.0).abs() < 2e-3, "{corners:?}: {found}, not {expected}");
         }
         let far = triangles()[0].map(|corner| corner + Vec3::Z * 20.0);
-        assert_eq!(wide_angle(far, area(far)), None, "small ones are sampled by area");
+        assert_eq!(angle_of(far), None, "small ones are sampled by area");
         let edge_on = [Vec3::X, 2.0 * Vec3::X, Vec3::new(1.0, 1.0, 0.0)];
-        assert_eq!(wide_angle(edge_on, area(edge_on)), None, "and those seen from the side");
+        assert_eq!(angle_of(edge_on), None, "and those seen from the side");
     }
 
     /// Means over samples are integrals over the solid angle: of the area density, which is 1 over the area, and of a direction.
     #[test]
     fn points_are_uniform_by_solid_angle() {
         for corners in triangles() {
-            let angle = wide_angle(corners, area(corners)).expect("it is wide");
+            let angle = angle_of(corners).expect("it is wide");
             let [a, b, c] = corners;
             let normal = (b - a).cross(c - a).normalize();
             const N: u32 = 1 << 15;
             let (mut total, mut means) = (0.0_f64, [0.0_f64; 2]);
             for sample in 0..N {
                 let u = sample_pair(0, SampleKey { pixel: 1, sample, branch: 0 }, 0, 0);
-                let [b1, b2] = super::sample(corners, u);
+                let [b1, b2] = super::sample(corners.map(Vector::from), angle, u);
                 assert!(b1 >= 0.0 && b2 >= 0.0 && b1 + b2 <= 1.0 + 1e-6, "inside: {b1}, {b2}");
                 let at = a + (b - a) * b1 + (c - a) * b2;
                 let distance2 = at.length_squared();
