@@ -63,6 +63,7 @@ impl Statistics<'_> {
             "gather": { "rays": render.gather_rays, "seconds": render.gather_seconds },
             "choice": render.choice.map(|choice| json!({
                 "integrator": choice.integrator.name(),
+                "virtual_lights": choice.virtual_lights,
                 "methods": choice.methods.map(|methods| methods.map(|method| json!({
                     "variance": method.variance,
                     "cost": method.cost,

@@ -30,8 +30,10 @@ use crate::world::World;
 const PILOT: u64 = 0x9e6c_63d0_676a_9a99;
 /// Samples of each pixel of the pilot, by each integrator.
 const SAMPLES: u32 = 8;
-/// Virtual lights of a sample: more cost more than they gain where paths could be taken instead.
-const VIRTUAL_LIGHTS: u32 = 32;
+/// Virtual lights of a sample of the pilot, and of the picture's where they are enough.
+const FEW_LIGHTS: u32 = 32;
+/// And at most, where the mean asks for more.
+const MOST_LIGHTS: u32 = 1024;
 /// Width of the squares whose mean stands for the brightness of their pixels.
 const SQUARE: usize = 8;
 /// A mean is too low for chance if it is so many standard errors below the other one.
@@ -54,17 +56,19 @@ impl Chosen {
     /// Options with the integrator that was chosen, and as suits it.
     pub(crate) fn of(chosen: Option<&Self>, options: &RenderOptions) -> RenderOptions {
         match (options.integrator, chosen) {
-            (Integrator::Auto, Some(chosen)) => with(options, chosen.stats.integrator),
-            (Integrator::Auto, None) => with(options, Integrator::Path),
+            (Integrator::Auto, Some(Self { stats, .. })) => {
+                with(options, stats.integrator, stats.virtual_lights)
+            }
+            (Integrator::Auto, None) => with(options, Integrator::Path, FEW_LIGHTS),
             _ => options.clone(),
         }
     }
 }
 
 /// The options with one of the integrators.
-fn with(options: &RenderOptions, integrator: Integrator) -> RenderOptions {
+fn with(options: &RenderOptions, integrator: Integrator, vpls: u32) -> RenderOptions {
     let guiding = if options.guiding == Guiding::Off { Guiding::Auto } else { options.guiding };
-    RenderOptions { integrator, guiding, vpls: VIRTUAL_LIGHTS, interleave: 1, ..options.clone() }
+    RenderOptions { integrator, guiding, vpls, interleave: 1, ..options.clone() }
 }
 
 /// Whether virtual lights show all that the picture asks for.
@@ -86,17 +90,19 @@ pub(crate) fn choose(
     pool: &rayon::ThreadPool,
 ) -> Option<Chosen> {
     let begin = Instant::now();
-    let mut stats = ChoiceStats { integrator: Integrator::Path, methods: None, seconds: 0.0 };
+    let mut stats =
+        ChoiceStats { integrator: Integrator::Path, virtual_lights: FEW_LIGHTS, methods: None, seconds: 0.0 };
     let mut cost = RenderStats::default();
     if is_open_question(world, options) {
         let pictures = [Integrator::Path, Integrator::BidirectionalInstantRadiosity].map(|integrator| {
-            let options = pilot_options(&with(options, integrator));
+            let options = pilot_options(&with(options, integrator, FEW_LIGHTS));
             Pictures::render(world, camera, &options, (watch, deadline), pool)
         });
         let [Some(paths), Some(lights)] = pictures else { return None };
         cost.add(&paths.stats);
         cost.add(&lights.stats);
-        let methods = measure([&paths, &lights]);
+        let mut methods = measure([&paths, &lights]);
+        (methods[1], stats.virtual_lights) = with_enough(methods[1], lights.gathering());
         if is_better(&methods[1], &methods[0]) {
             stats.integrator = Integrator::BidirectionalInstantRadiosity;
         }
@@ -106,6 +112,19 @@ pub(crate) fn choose(
     // Its rays were traced; its samples are not in the picture.
     let cost = RenderStats { samples: 0, bad_samples: 0, ..cost };
     Some(Chosen { stats, cost })
+}
+
+/// As many virtual lights as make the mean known, and a sample with these: the error of the mean falls with the root of their
+/// number. That of pixels is left as it is, for it may come from other light. `gathering` is the part of the cost that grows.
+fn with_enough(few: MethodStats, gathering: f64) -> (MethodStats, u32) {
+    let (excess, most) = (few.mean_error / KNOWN, f64::from(MOST_LIGHTS / FEW_LIGHTS));
+    let times = if excess > 1.0 { (excess * excess).ceil().min(most) } else { 1.0 };
+    let enough = MethodStats {
+        cost: few.cost + gathering * (times - 1.0),
+        mean_error: few.mean_error / times.sqrt(),
+        ..few
+    };
+    (enough, FEW_LIGHTS * times as u32)
 }
 
 /// Whether the first one of two methods is to be taken.
@@ -194,6 +213,12 @@ impl Pictures {
             before.clone_from(&sums);
         }
         Some(Self { width: width as usize, samples, stats })
+    }
+
+    /// Cost of the rays to virtual lights of a sample of a pixel.
+    fn gathering(&self) -> f64 {
+        let samples: usize = self.samples.iter().map(Vec::len).sum();
+        GATHERING * self.stats.gather_rays as f64 / samples.max(1) as f64
     }
 
     /// The mean of all samples.
@@ -289,6 +314,19 @@ mod tests {
         let black = pictures([[0.0; 4]; 2], 8);
         let [a, b] = measure([&black, &black]);
         assert_eq!((a.variance, b.mean, b.mean_error), (0.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn more_lights_make_the_mean_known() {
+        let few = MethodStats { variance: 1.0, cost: 12.0, mean: 1.0, mean_error: 0.04 };
+        assert_eq!(with_enough(few, 9.0), (few, 32), "it is known");
+        let (enough, lights) = with_enough(MethodStats { mean_error: 0.13, ..few }, 9.0);
+        assert_eq!((lights, enough.cost), (224, 12.0 + 6.0 * 9.0), "seven times as many");
+        assert!(enough.mean_error <= KNOWN && enough.variance == few.variance, "{enough}");
+        let (most, lights) = with_enough(MethodStats { mean_error: 1.0, ..few }, 9.0);
+        assert!(lights == 1024 && most.mean_error > KNOWN, "not known with the most: {most}");
+        let (nothing, lights) = with_enough(MethodStats { mean_error: f64::NAN, ..few }, 9.0);
+        assert!(lights == 32 && nothing.mean_error.is_nan(), "no number");
     }
 
     #[test]

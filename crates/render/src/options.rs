@@ -33,7 +33,7 @@ pub enum Integrator {
     MetropolisInstantRadiosity,
     /// All light, by scattered rays: the reference \[Kaj86\].
     Path,
-    /// `Path` or `BidirectionalInstantRadiosity` with 32 virtual lights, whichever has the smaller variance for its cost in a pilot
+    /// `Path` or `BidirectionalInstantRadiosity` with 32 to 1024 virtual lights, whichever has the smaller variance for its cost in a pilot
     /// rendering. The number of virtual lights and patterns are ignored; paths are guided where the pilot of the guide finds that it
     /// pays. `Path` without a pilot where virtual lights leave something out: media, links of lights, open shutters, noise targets, layers
     /// by events.

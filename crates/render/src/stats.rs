@@ -74,6 +74,8 @@ impl fmt::Display for MethodStats {
 pub struct ChoiceStats {
     /// The integrator that renders the picture.
     pub integrator: Integrator,
+    /// Virtual lights of a sample, for `bir`: 32, or enough for a known mean.
+    pub virtual_lights: u32,
     /// Paths and virtual lights; `None` without a pilot, where virtual lights do not show all that the picture asks for.
     pub methods: Option<[MethodStats; 2]>,
     /// Wall-clock seconds of the pilot.
@@ -82,10 +84,13 @@ pub struct ChoiceStats {
 
 impl fmt::Display for ChoiceStats {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { integrator, methods, seconds } = self;
+        let Self { integrator, virtual_lights, methods, seconds } = self;
         match methods {
             Some([paths, lights]) => {
-                write!(f, "{integrator}, {seconds:.2} s; path: {paths}; bir: {lights}")
+                write!(
+                    f,
+                    "{integrator}, {seconds:.2} s; path: {paths}; bir with {virtual_lights} virtual lights: {lights}"
+                )
             }
             None => write!(f, "{integrator}: virtual lights do not show all that the picture asks for"),
         }

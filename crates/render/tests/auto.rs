@@ -64,6 +64,7 @@ fn each_is_chosen_where_it_has_less_noise() {
         let frame = frame_of(&of, &options);
         let choice = frame.stats.choice.expect("it was asked for");
         assert_eq!(choice.integrator, integrator, "{choice}");
+        assert_eq!(choice.virtual_lights, 32, "enough in a small room: {choice}");
         let alone = frame_of(&of, &as_chosen(&options, integrator));
         assert!(bits(&frame.picture) == bits(&alone.picture), "the bits of {integrator} alone");
         assert!(alone.stats.choice.is_none(), "nothing was to choose");

@@ -56,7 +56,7 @@ pub(crate) struct FrameArguments {
     #[arg(help_heading = "Quality", hide_short_help = true, long, value_name = "N", value_parser = value::seed, allow_hyphen_values = true, default_value = "0")]
     pub(crate) seed: u64,
     /// Integrator: path (all light), whitted (direct light, mirrors, glass), ir, bir, mir (all light by virtual lights), eyelight
-    /// or normals (shapes). auto: a pilot rendering chooses path with --guide auto or bir with 32 virtual lights, by noise and time
+    /// or normals (shapes). auto: a pilot rendering chooses path with --guide auto or bir with 32 to 1024 virtual lights, by noise and time
     /// (view: path)
     #[arg(
         help_heading = "Light", hide_short_help = true,
