@@ -16,8 +16,7 @@ use gnurt_shading::CameraShader;
 use crate::film::TileFilm;
 use crate::guide::{self, Guide, Recorder};
 use crate::job::Job;
-use crate::mattes::Mattes;
-use crate::options::{Guiding, Pilot, RenderOptions};
+use crate::options::{Guiding, RenderOptions};
 use crate::progress::Watch;
 use crate::sampler::Sampler;
 use crate::stats::{GuideStats, RenderStats};
@@ -56,7 +55,7 @@ pub(crate) fn train(
     pool: &rayon::ThreadPool,
 ) -> Option<Trained> {
     let begin = Instant::now();
-    let options = pilot_options(options);
+    let options = options.of_pilot(PILOT);
     let mut job = Job::new(world, camera, &options, watch);
     job.deadline = deadline;
     job.caustics = manifold::find(&mut job.tracer(false)).map(Arc::new);
@@ -99,29 +98,6 @@ pub(crate) fn train(
     // Its rays were traced; its samples are not in the picture.
     let cost = RenderStats { samples: 0, bad_samples: 0, ..cost };
     Some(Trained { guide: is_on.then_some(guide), stats, cost })
-}
-
-/// Options of the whole picture, smaller, and of nothing but light.
-fn pilot_options(options: &RenderOptions) -> RenderOptions {
-    let Pilot { width, height, samples } = options.pilot();
-    RenderOptions {
-        width,
-        height,
-        seed: options.seed ^ PILOT,
-        crop: None,
-        piece: None,
-        rows: None,
-        noise: None,
-        time_limit: None,
-        aovs: false,
-        seen: false,
-        heatmap: false,
-        pixel_centres: false,
-        light_layers: Vec::new(),
-        mattes: Mattes::default(),
-        spp: samples,
-        ..options.clone()
-    }
 }
 
 /// The parts of the pilot: larger than tiles of pictures, since rounds take few samples.

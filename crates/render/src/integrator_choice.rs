@@ -17,8 +17,7 @@ use gnurt_shading::CameraShader;
 use crate::film::TileFilm;
 use crate::job::Job;
 use crate::many_lights;
-use crate::mattes::Mattes;
-use crate::options::{Guiding, Integrator, Pilot, RenderOptions};
+use crate::options::{Guiding, Integrator, RenderOptions};
 use crate::progress::Watch;
 use crate::sampler::Sampler;
 use crate::stats::{ChoiceStats, MethodStats, RenderStats};
@@ -139,28 +138,10 @@ fn is_better(one: &MethodStats, other: &MethodStats) -> bool {
     exceeds || (!lacks && one.product() < other.product())
 }
 
-/// Options of the whole picture, smaller, and of nothing but light.
+/// Options of the pilot by one of the integrators.
 fn pilot_options(options: &RenderOptions) -> RenderOptions {
-    let Pilot { width, height, .. } = options.pilot();
-    RenderOptions {
-        width,
-        height,
-        seed: options.seed ^ PILOT,
-        lights_seed: None,
-        guiding: Guiding::Off,
-        crop: None,
-        piece: None,
-        rows: None,
-        time_limit: None,
-        aovs: false,
-        seen: false,
-        heatmap: false,
-        pixel_centres: false,
-        light_layers: Vec::new(),
-        mattes: Mattes::default(),
-        spp: SAMPLES,
-        ..options.clone()
-    }
+    let of_pilot = options.of_pilot(PILOT);
+    RenderOptions { lights_seed: None, guiding: Guiding::Off, spp: SAMPLES, ..of_pilot }
 }
 
 /// The samples of a method.

@@ -296,6 +296,29 @@ impl RenderOptions {
         Pilot { width, height, samples: samples.clamp(LEAST_PILOT_SAMPLES, MOST_PILOT_SAMPLES) }
     }
 
+    /// Options of a pilot of the whole picture: smaller, of nothing but light, and under a seed that differs in these bits.
+    pub(crate) fn of_pilot(&self, bits: u64) -> Self {
+        let Pilot { width, height, samples } = self.pilot();
+        Self {
+            width,
+            height,
+            seed: self.seed ^ bits,
+            crop: None,
+            piece: None,
+            rows: None,
+            noise: None,
+            time_limit: None,
+            aovs: false,
+            seen: false,
+            heatmap: false,
+            pixel_centres: false,
+            light_layers: Vec::new(),
+            mattes: Mattes::default(),
+            spp: samples,
+            ..self.clone()
+        }
+    }
+
     /// The seed of virtual lights.
     pub(crate) fn seed_of_lights(&self) -> u64 {
         self.lights_seed.unwrap_or(self.seed)

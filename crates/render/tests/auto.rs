@@ -26,19 +26,8 @@ fn frame_of(of: &(World, SceneCamera), options: &RenderOptions) -> Frame {
 fn shelf() -> (World, SceneCamera) {
     let mut scene = Scene::new();
     let grey = matte(&mut scene, [0.7, 0.6, 0.5]);
-    let [x, y, z] = [[6.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0]];
-    let back = |v: [f32; 3]| v.map(|k| -k);
-    for (corner, a, b) in [
-        ([-3.0, -2.0, 0.0], x, y),
-        ([-3.0, -2.0, 3.0], y, x),
-        ([-3.0, -2.0, 0.0], y, z),
-        ([3.0, -2.0, 0.0], z, y),
-        ([-3.0, 2.0, 0.0], x, z),
-        ([3.0, -2.0, 0.0], back(x), z),
-        ([-1.0, -1.0, 2.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]),
-    ] {
-        put_mesh(&mut scene, quad(corner, a, b, grey));
-    }
+    room(&mut scene, grey);
+    put_mesh(&mut scene, quad([-1.0, -1.0, 2.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], grey));
     let lamp = emitter(&mut scene, [40.0, 36.0, 30.0]);
     put_mesh(&mut scene, quad([-0.05, -0.05, 2.2], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], lamp));
     (world_of(&scene, false), camera([-2.9, -1.6, 1.6], [0.0, 0.4, 1.0], 70.0))

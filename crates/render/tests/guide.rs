@@ -2,7 +2,7 @@
 //! Guided paths: the mean is that of paths without a guide and of closed forms, the bytes are the same however a picture is
 //! divided, and `auto` leaves pictures alone that it would not help.
 
-use crate::common::*;
+use crate::common::{self, *};
 use gnurt_image::Picture;
 use gnurt_render::{Accumulation, Guiding, Integrator, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::material::Color;
@@ -37,18 +37,7 @@ fn room_below_glass() -> (World, SceneCamera) {
 fn room(panel: f32) -> (World, SceneCamera) {
     let mut scene = Scene::new();
     let grey = matte(&mut scene, [0.7, 0.6, 0.5]);
-    let [x, y, z] = [[6.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0]];
-    let back = |v: [f32; 3]| v.map(|k| -k);
-    for (corner, a, b) in [
-        ([-3.0, -2.0, 0.0], x, y),
-        ([-3.0, -2.0, 3.0], y, x),
-        ([-3.0, -2.0, 0.0], y, z),
-        ([3.0, -2.0, 0.0], z, y),
-        ([-3.0, 2.0, 0.0], x, z),
-        ([3.0, -2.0, 0.0], back(x), z),
-    ] {
-        put_mesh(&mut scene, quad(corner, a, b, grey));
-    }
+    common::room(&mut scene, grey);
     let lamp = emitter(&mut scene, [40.0, 36.0, 30.0]);
     put_mesh(&mut scene, quad([-0.3, -0.3, 2.95], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], lamp));
     if panel > 0.0 {
@@ -64,7 +53,7 @@ fn room(panel: f32) -> (World, SceneCamera) {
             interior: Default::default(),
         },
     ));
-    put_mesh(&mut scene, quad([-3.0, -2.0, 2.9], y, x, glass));
+    put_mesh(&mut scene, quad([-3.0, -2.0, 2.9], [0.0, 4.0, 0.0], [6.0, 0.0, 0.0], glass));
     let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
     let coat = Surface::MetallicRoughness {
         base_color: Color::constant([0.8, 0.3, 0.2]),

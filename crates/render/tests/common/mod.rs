@@ -58,6 +58,22 @@ pub fn put_mesh(scene: &mut Scene, mesh: Mesh) {
     scene.instantiate(object, Affine::IDENTITY);
 }
 
+/// The walls, floor and ceiling of a closed room of 6 x 4 x 3 around the z axis, which face inward.
+pub fn room(scene: &mut Scene, material: MaterialId) {
+    let [x, y, z] = [[6.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0]];
+    let back = |v: [f32; 3]| v.map(|k| -k);
+    for (corner, a, b) in [
+        ([-3.0, -2.0, 0.0], x, y),
+        ([-3.0, -2.0, 3.0], y, x),
+        ([-3.0, -2.0, 0.0], y, z),
+        ([3.0, -2.0, 0.0], z, y),
+        ([-3.0, 2.0, 0.0], x, z),
+        ([3.0, -2.0, 0.0], back(x), z),
+    ] {
+        put_mesh(scene, quad(corner, a, b, material));
+    }
+}
+
 /// A Lambertian material.
 pub fn matte(scene: &mut Scene, albedo: [f32; 3]) -> MaterialId {
     scene.add_material(Material::matte("matte", albedo))

@@ -36,7 +36,7 @@ pub(super) fn wide_angle<R: Real>(corners: [Vector<R>; 3], area: R) -> (R::Mask,
 fn arc<R: Real>(y: R, x: R) -> R {
     let across = x.size();
     let tangent = across.or_less(y) / across.or_more(y);
-    // Within an eighth of a half circle, where Taylor's series is exact.
+    // Within an eighth of a half circle, where seven terms of Taylor's series are enough for floats.
     let large = tangent.above_all(std::f32::consts::SQRT_2 - 1.0);
     let one = x.all(1.0);
     let t = R::pick(large, (tangent - one) / (tangent + one), tangent);
