@@ -145,7 +145,10 @@ fn of_integrator(integrator: Integrator, tell: &mut impl FnMut(&[(&str, &str)], 
         tell(&[("pixel_noise", "--pixel-noise")], &why);
     }
     if integrator.without_pilot() != Integrator::Path {
-        tell(&[("guide", "--guide"), ("caustics", "--caustics")], &why);
+        tell(&[("guide", "--guide")], &why);
+        if !integrator.has_virtual_lights() {
+            tell(&[("caustics", "--caustics")], &why);
+        }
     }
     match integrator {
         Integrator::Whitted => tell(&[("clamp", "--clamp")], &why),

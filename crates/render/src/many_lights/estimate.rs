@@ -14,10 +14,10 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use gnurt_accel::{INVALID_ID, RayBatch};
 use gnurt_shading::bsdf::BsdfSample;
-use gnurt_shading::lights::LightSet;
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 
+use super::caustics;
 use super::contribution::Contributions;
 use super::cut::{MOST, cut};
 use super::direct::light_samples;
@@ -33,6 +33,7 @@ use super::vpl;
 use super::walk::{Last, Stop, Walk, purpose};
 use crate::cone::{Cone, ConeHit, fineness};
 use crate::tracer::{BatchTracer, Sharing};
+use crate::transport::manifold::Chain;
 use crate::transport::mis::balance_heuristic;
 use crate::transport::walks::Walks;
 use crate::transport::{Vertex, roulette, sampling_normal};
@@ -93,6 +94,7 @@ fn all_radiance(
         is_directly_visible: true,
         light_gain: 1.0,
         siblings: 1.0,
+        chain: Chain::default(),
     };
     let carried = camera.keys.iter().enumerate().map(walk).collect();
     let walks = Walks {
@@ -187,6 +189,7 @@ fn go_on(
         }
         let radiance_there: Vec<&EyePoint> =
             stops.iter().filter(|stop| stop.walk.is_directly_visible).map(|stop| &stop.eye).collect();
+        caustics::search(tracer, &stops, radiance);
         if pass.is_few {
             // Visible points of this kind use a random subset, too.
         } else if texels.is_none() {
@@ -351,6 +354,7 @@ pub(super) fn rest_at(
                 // The shader samples lights itself.
                 light_gain: 0.0,
                 siblings: 1.0,
+                chain: Chain::default(),
             },
         );
         *found = Some(Rest { dir, cos, dist: f32::INFINITY, radiance: Vec3::ZERO });
@@ -383,7 +387,7 @@ fn visible_parts(tracer: &BatchTracer, walks: &Walks<Walk>, ends: &Ends) -> (Vec
     let mut emission = Vec3s::splat(walks.carried.len(), Vec3::ZERO);
     for (i, vertex) in &ends.passed {
         let walk = walks.carried[*i].absorbed(Some(vertex));
-        emitted(tracer.world.light_set(), &walk, vertex, &mut emission);
+        emitted(tracer, &walk, vertex, &mut emission);
     }
     (emission, ends.vertices.iter().map(Option::is_none).collect())
 }
@@ -400,7 +404,7 @@ fn arrive(
     let mut stops = Vec::with_capacity(vertices.len());
     let Walks { rays, carried, .. } = walks;
     for (i, vertex) in &passed {
-        emitted(lights, &carried[*i].absorbed(Some(vertex)), vertex, radiance);
+        emitted(tracer, &carried[*i].absorbed(Some(vertex)), vertex, radiance);
     }
     environment_of_shaders(tracer, carried, &vertices, rays, radiance);
     for (i, (walk, vertex)) in carried.iter().zip(vertices).enumerate() {
@@ -420,14 +424,15 @@ fn arrive(
             }
             continue;
         };
-        emitted(lights, walk, &vertex, radiance);
+        emitted(tracer, walk, &vertex, radiance);
         if vertex.is_final || walk.edges >= tracer.options.max_depth {
             continue;
         }
         let Vertex { light_gain, ids: [instance, ..], t: distance, cone, .. } = vertex;
+        let smooth = vertex.smooth.clone();
         let eye = EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane);
         let (rays, probability) = if walk.is_directly_visible { rays_from(pass, &eye) } else { (1, 1.0) };
-        let stop = Stop { walk: *walk, eye, light_gain, rays, probability, instance, distance, cone };
+        let stop = Stop { walk: *walk, eye, light_gain, rays, probability, instance, distance, cone, smooth };
         if !stop.is_spent() {
             stops.push(stop);
         }
@@ -441,7 +446,8 @@ fn share_of(walk: &Walk, pdf_light: f32) -> f32 {
 }
 
 /// Adds the emission of a surface that a walk met.
-fn emitted(lights: &LightSet, walk: &Walk, vertex: &Vertex, radiance: &mut Vec3s) {
+fn emitted(tracer: &BatchTracer, walk: &Walk, vertex: &Vertex, radiance: &mut Vec3s) {
+    let lights = tracer.world.light_set();
     let emission = vertex.scattering.emission;
     if emission == Vec3::ZERO {
         return;
@@ -457,7 +463,8 @@ fn emitted(lights: &LightSet, walk: &Walk, vertex: &Vertex, radiance: &mut Vec3s
     // Light samples find the described emission, without the additional radiance of a probed shader.
     let shown = vertex.shown;
     let gain = if light.is_some() { walk.light_gain } else { 1.0 };
-    radiance.add(lane, walk.throughput * (emission - shown) * (gain * share_of(walk, pdf)));
+    let share = share_of(walk, pdf) * caustics::beside_searches(tracer, walk, vertex);
+    radiance.add(lane, walk.throughput * (emission - shown) * (gain * share));
     radiance.add(lane, walk.throughput * shown);
 }
 
@@ -608,6 +615,7 @@ fn scattered(seed: u64, pass: &PassLights, stop: &Stop, n: u32) -> Option<((gnur
         is_directly_visible: walk.is_directly_visible && sample.delta,
         light_gain: stop.light_gain,
         siblings: walk.siblings * count as f32,
+        chain: caustics::chain(stop, &sample),
         ..*walk
     };
     Some(((ray, stop.cone.after(&sample, fineness(walk.key.sample))), next))

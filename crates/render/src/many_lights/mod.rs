@@ -6,6 +6,7 @@
 mod bidirectional;
 mod bound;
 mod candidates;
+mod caustics;
 mod chosen;
 mod chunks;
 mod common;

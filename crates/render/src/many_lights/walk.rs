@@ -12,6 +12,7 @@ use super::eye::EyePoint;
 use super::vpl::pdf_of_other_end;
 use crate::cone::ConeHit;
 use crate::transport::Vertex;
+use crate::transport::manifold::{Chain, SmoothPoint};
 
 /// Purposes of random numbers; those of light samples follow the last one.
 pub(super) mod purpose {
@@ -57,6 +58,8 @@ pub(super) struct Walk {
     pub(super) light_gain: f32,
     /// How many walks share the light of its lane.
     pub(super) siblings: f32,
+    /// Smooth surfaces since it was scattered, if points search for lamps behind such.
+    pub(super) chain: Chain,
 }
 
 impl Walk {
@@ -84,6 +87,8 @@ pub(super) struct Stop {
     pub(super) distance: f32,
     /// How the ray's cone met it.
     pub(super) cone: ConeHit<f32>,
+    /// Where chains of searches go on, if it is such a point.
+    pub(super) smooth: Option<Box<SmoothPoint>>,
 }
 
 impl Stop {

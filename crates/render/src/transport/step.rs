@@ -15,7 +15,7 @@ use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Bounces, Leaving, RayKind, SurfaceBatch, Vec3s};
 
 use super::links::LinkedPaths;
-use super::manifold::{self, Caustics, Chain};
+use super::manifold::{self, Caustics, Chain, SmoothPoint};
 use super::mis::{most_light_samples, power_heuristic, weigh};
 use super::paths::{Boundary, NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::{LightRequests, Width, for_each_light_sample};
@@ -130,12 +130,9 @@ impl Met<'_> {
 
     /// The weight of the lamp at point `k` that searches may find, too.
     fn beside_searches(&self, lights: &LightSet, path: &Path, k: usize) -> f32 {
-        let (Some(caustics), dir) = (self.caustics, self.points.ray_dir.get(k)) else { return 1.0 };
-        let Some(triangle) = lights.triangle(self.ids(k), dir) else { return 1.0 };
-        let Some(area) = lights.area_across(LightId(triangle), dir) else { return 1.0 };
-        let probability = caustics.probability(triangle);
-        let dist = (self.points.p.get(k) - self.left(k)).length();
-        if probability > 0.0 { path.chain.weight(dir, dist, (area, probability)) } else { 1.0 }
+        let Some(caustics) = self.caustics else { return 1.0 };
+        let edge = (self.left(k), self.points.p.get(k), self.points.ray_dir.get(k));
+        caustics.beside_searches(lights, &path.chain, self.ids(k), edge)
     }
 
     /// Whether the path at point `k` sees a hole there.
@@ -151,8 +148,9 @@ impl Met<'_> {
         match density {
             Some(density) => before.rough(density, before.chance(self.paths.throughput.get(number))),
             None => {
-                let (of, surface) = ((self.world, caustics), (self.points, self.closures));
-                manifold::turned(of, surface, (k, self.left(k)), (wi, transmitted), before)
+                let at = SmoothPoint::of((self.world, caustics), (self.points, self.closures), k);
+                let from = (self.left(k), self.points.ray_dir.get(k));
+                manifold::turned(at.as_ref(), from, (wi, transmitted), before)
             }
         }
     }

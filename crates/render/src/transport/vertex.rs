@@ -7,6 +7,7 @@ use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Scattering};
 use gnurt_shading::{SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
+use super::manifold::SmoothPoint;
 use super::radiance_only;
 use crate::cone::ConeHit;
 use crate::tracer::{AttributeRequests, BatchTracer, Sharing};
@@ -45,6 +46,8 @@ pub(crate) struct Vertex {
     pub(crate) cone: ConeHit<f32>,
     /// The hit: leaf, mesh, triangle.
     pub(crate) ids: [u32; 3],
+    /// Where chains of searches go on, if the tracer knows of such.
+    pub(crate) smooth: Option<Box<SmoothPoint>>,
 }
 
 impl Vertex {
@@ -108,6 +111,7 @@ impl BatchTracer<'_> {
         let known = self.closures_of(shader, points, &mut closures);
         let is_final = known == Known::Shown;
         let light_gain = if known == Known::Probed { std::f32::consts::PI * self.options.white } else { 1.0 };
+        let caustics = self.caustics.filter(|_| known == Known::Closures);
         for (k, &lane) in lanes.iter().enumerate() {
             let vertex = Vertex {
                 point: points.point(k),
@@ -119,6 +123,9 @@ impl BatchTracer<'_> {
                 t: points.t[k],
                 cone: ConeHit::of(points, k),
                 ids: [points.leaf_id[k], points.geom_id[k], points.prim_id[k]],
+                smooth: caustics.and_then(|caustics| {
+                    SmoothPoint::of((self.world, caustics), (points, &closures), k).map(Box::new)
+                }),
             };
             with(lane as usize, vertex);
         }

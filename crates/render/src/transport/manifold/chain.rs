@@ -65,7 +65,7 @@ impl Chain {
 
     /// The weight of light at its end, `dist` on along `dir`; `area`: of the lamp across the ray, `probability`: of its choice
     /// by searches.
-    pub(crate) fn weight(&self, dir: Vec3, dist: f32, (area, probability): (f32, f32)) -> f32 {
+    pub(super) fn weight(&self, dir: Vec3, dist: f32, (area, probability): (f32, f32)) -> f32 {
         if !self.smooth.is_some_and(|count| (1..=MOST).contains(&usize::from(count))) {
             return 1.0;
         }

@@ -23,7 +23,9 @@ const SMALL: f32 = 0.01;
 /// What searches know of the tracer's world; `None` where its options want none, or they would find nothing.
 pub(crate) fn find(tracer: &mut BatchTracer) -> Option<Caustics> {
     let (world, options) = (tracer.world, tracer.options);
-    if options.integrator != Integrator::Path || options.caustics == Choice::Off {
+    let integrator = options.integrator;
+    let searches = integrator == Integrator::Path || integrator.has_virtual_lights();
+    if !searches || options.caustics == Choice::Off {
         return None;
     }
     let lights = world.light_set();

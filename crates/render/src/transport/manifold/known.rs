@@ -11,6 +11,7 @@ use glam::Vec3;
 use gnurt_shading::lights::{LampPoint, LightId, LightKind, LightSet, Place};
 use gnurt_shading::sampling::Distribution;
 
+use super::chain::Chain;
 use crate::transport::flight::Random;
 use crate::world::{PlacedMesh, World};
 
@@ -79,9 +80,20 @@ impl Caustics {
         self.smooth.get(material as usize).copied().unwrap_or(false)
     }
 
-    /// The probability that a search chooses an emissive triangle.
-    pub(crate) fn probability(&self, triangle: u32) -> f32 {
-        self.searched.get(triangle as usize).copied().unwrap_or(0.0)
+    /// The weight of a surface that a scattered ray met, if it is a lamp that searches may find, too. The ray's last edge leads `from`
+    /// a point to this one along `dir`.
+    pub(crate) fn beside_searches(
+        &self,
+        lights: &LightSet,
+        chain: &Chain,
+        ids: [u32; 3],
+        (from, to, dir): (Vec3, Vec3, Vec3),
+    ) -> f32 {
+        let Some(triangle) = lights.triangle(ids, dir) else { return 1.0 };
+        let Some(area) = lights.area_across(LightId(triangle), dir) else { return 1.0 };
+        let probability = self.searched.get(triangle as usize).copied().unwrap_or(0.0);
+        let dist = (to - from).length();
+        if probability > 0.0 { chain.weight(dir, dist, (area, probability)) } else { 1.0 }
     }
 
     /// A point of a lamp, and the probability of the choice.

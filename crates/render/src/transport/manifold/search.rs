@@ -8,8 +8,8 @@
 use glam::Vec3;
 use gnurt_accel::Ray;
 use gnurt_shading::bsdf::{Bsdf, ClosureBatch, left_after};
-use gnurt_shading::lights::{LampPoint, Place};
-use gnurt_shading::{SurfaceBatch, SurfacePoint};
+use gnurt_shading::lights::{LampPoint, LightId, Place};
+use gnurt_shading::{SampleKey, SurfaceBatch, SurfacePoint};
 
 use super::chain::{self, area_of};
 use super::known::Caustics;
@@ -19,7 +19,7 @@ use super::trials::Trials;
 use super::walk::{Miss, Newton, Next, Solution};
 use crate::options::RenderOptions;
 use crate::transport::flight::Random;
-use crate::transport::{Path, opacity};
+use crate::transport::opacity;
 use crate::world::World;
 
 /// Square of the difference of a directional lamp's direction before and after glass up to which `transport::panes` finds it.
@@ -36,29 +36,35 @@ pub(super) struct Around<'a> {
     pub(super) caustics: &'a Caustics,
 }
 
-/// The rough point.
-pub(super) struct Rough {
-    /// Its number among the points of its shader.
-    pub(super) k: usize,
-    pub(super) path: Path,
-    pub(super) point: SurfacePoint,
-    pub(super) bsdf: Bsdf,
+/// The rough point, where a path from the camera ends.
+#[derive(Clone, Debug)]
+pub(crate) struct Rough {
+    /// Its number among the points of its owner.
+    pub(crate) number: usize,
+    /// Of the path: its key, its edges, the factor of its light.
+    pub(crate) key: SampleKey,
+    pub(crate) edges: u32,
+    pub(crate) throughput: Vec3,
+    pub(crate) point: SurfacePoint,
+    pub(crate) bsdf: Bsdf,
     /// Unit, to where the path came from.
-    pub(super) wo: Vec3,
-    /// The chance of the search, and the probability of its lamp.
-    pub(super) chance: f32,
-    pub(super) probability: f32,
+    pub(crate) wo: Vec3,
+    /// How many scattered rays leave it, on average.
+    pub(crate) rays: f32,
+    /// The chance of the search.
+    pub(crate) chance: f32,
 }
 
 /// Light that a search found, unless it is blocked before the last surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(crate) struct Found {
     pub(super) light: Vec3,
     pub(super) turns: Turns,
     pub(super) materials: [u32; MOST],
     /// Unit, where the chain begins.
-    pub(super) dir: Vec3,
+    pub(crate) dir: Vec3,
     pub(super) last: Last,
+    pub(super) lamp: LightId,
     /// To the lamp.
     pub(super) ray: Ray,
     solution: Solution,
@@ -78,6 +84,8 @@ pub(super) enum Waits {
 pub(super) struct Search {
     pub(super) rough: Rough,
     pub(super) lamp: LampPoint,
+    /// Of its choice.
+    probability: f32,
     random: Random,
     pub(super) trace: Trace,
     newton: Newton,
@@ -87,14 +95,14 @@ pub(super) struct Search {
 }
 
 impl Search {
-    pub(super) fn new(around: Around, rough: Rough, lamp: LampPoint) -> Self {
-        let Path { key, edges, .. } = rough.path;
+    pub(super) fn new(around: Around, rough: Rough, (lamp, probability): (LampPoint, f32)) -> Self {
+        let Rough { key, edges, .. } = rough;
         let random = Random::of_caustic(around.options.seed, key, edges);
         let nowhere = Ray::new([0.0; 3], [0.0; 3]);
         let trace = Trace::new(nowhere, key, Vec3::ZERO, None, 0);
         let (newton, trials) = (Newton::new(), Trials::new());
-        let mut search =
-            Self { rough, lamp, random, trace, newton, found: None, trials, waits: Waits::Nothing };
+        let (found, waits) = (None, Waits::Nothing);
+        let mut search = Self { rough, lamp, probability, random, trace, newton, found, trials, waits };
         search.begin(around);
         search
     }
@@ -145,14 +153,14 @@ impl Search {
 
     /// Follows a chain in a direction, if light may come from there.
     fn follow(&mut self, around: Around, dir: Vec3, planned: Option<Turns>) -> bool {
-        let Rough { point, bsdf, path, .. } = &self.rough;
+        let Rough { point, bsdf, key, edges, .. } = &self.rough;
         let transmitted = bsdf.is_transmitted(dir);
         if transmitted && !bsdf.is_translucent() {
             return false;
         }
         let Some(ray) = point.scatter_ray(dir, transmitted, f32::INFINITY) else { return false };
-        let most = (around.options.max_depth - path.edges - 1).min(MOST as u32) as usize;
-        self.trace = Trace::new(ray, path.key, bsdf.absorption(dir), planned, most);
+        let most = (around.options.max_depth - edges - 1).min(MOST as u32) as usize;
+        self.trace = Trace::new(ray, *key, bsdf.absorption(dir), planned, most);
         self.waits = Waits::Hit;
         true
     }
@@ -170,7 +178,7 @@ impl Search {
         (points, closures): (&SurfaceBatch, &ClosureBatch),
         k: usize,
     ) {
-        let edges = self.rough.path.edges + 1 + self.trace.turns.count as u32;
+        let edges = self.rough.edges + 1 + self.trace.turns.count as u32;
         if closures.is_partly_transparent()
             && !opacity::is_met(around.options.seed, self.trace.key, edges, closures.coverage(k))
         {
@@ -245,7 +253,7 @@ impl Search {
 
     /// The light along the chain, but for what blocks it from the lamp.
     fn light(&self, around: Around, miss: &Miss) -> Option<Found> {
-        let (trace, rough) = (&self.trace, &self.rough);
+        let (trace, rough, probability) = (&self.trace, &self.rough, self.probability);
         let last = trace.last?;
         if self.is_of_panes() {
             return None;
@@ -253,13 +261,13 @@ impl Search {
         let lamp = around.world.light_set().intensity(&self.lamp, trace.heading, miss.dist);
         let (value, density) = rough.bsdf.eval_pdf(rough.wo, trace.dir);
         let spread = area_of(&trace.change, trace.heading, miss.dist).recip();
-        let mut weight = spread / (rough.chance * rough.probability);
+        let mut weight = spread / (rough.chance * probability);
         if let Some(area) = around.world.light_set().area_across(self.lamp.light, trace.heading) {
             // Scattered rays find it, too.
-            weight *= chain::weight(density / rough.chance, rough.probability / (area * spread));
+            weight *= chain::weight(rough.rays * density / rough.chance, probability / (area * spread));
         }
         let left = left_after(miss.dist, [last.absorption, Vec3::ZERO]);
-        let light = rough.path.throughput * value * trace.light * lamp * left * weight;
+        let light = rough.throughput * value * trace.light * lamp * left * weight;
         if light == Vec3::ZERO || !light.is_finite() {
             return None;
         }
@@ -270,6 +278,7 @@ impl Search {
             materials: trace.materials,
             dir: trace.dir,
             last,
+            lamp: self.lamp.light,
             ray,
             solution: Solution::new(trace, miss),
         })

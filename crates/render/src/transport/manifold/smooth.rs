@@ -17,7 +17,8 @@ use crate::world::{Bend, World};
 const SAME: f32 = 1e-6;
 
 /// Such a point.
-pub(super) struct SmoothPoint {
+#[derive(Clone, Debug)]
+pub(crate) struct SmoothPoint {
     pub(super) point: SurfacePoint,
     pub(super) bsdf: Bsdf,
     pub(super) bend: Bend,
@@ -29,7 +30,7 @@ pub(super) struct SmoothPoint {
 
 impl SmoothPoint {
     /// Point `k`, if it is one.
-    pub(super) fn of(
+    pub(crate) fn of(
         (world, caustics): (&World, &Caustics),
         (points, closures): (&SurfaceBatch, &ClosureBatch),
         k: usize,
