@@ -54,6 +54,7 @@ mod sampler;
 mod seen;
 mod services;
 mod shader_outputs;
+mod space_tree;
 mod state;
 mod stats;
 mod tile;

@@ -7,7 +7,8 @@ use gnurt_accel::threads;
 use super::directions::{Sample, Trees};
 use super::recorder::Vertex;
 use super::share::{self, HeldOut, SHARES};
-use super::space::{CLASSES, Cell, Guide, Node};
+use super::space::{Cell, Guide};
+use crate::space_tree::SpaceTree;
 
 /// A cell is divided if it has more vertices.
 const MOST: usize = 1000;
@@ -23,19 +24,9 @@ pub(crate) type Weighted<'a> = (&'a Vertex, f32);
 /// Builds a map on the threads of the pool that is installed; `learns`: whether to find out where and how much it is good
 /// for.
 pub(crate) fn build(vertices: &[Weighted], learns: bool) -> Guide {
-    let mut guide = Guide { moment: 1.0, ..Guide::default() };
-    let mut cells: Vec<Vec<u32>> = Vec::new();
-    for class in 0..CLASSES {
-        let of_class = (0..vertices.len() as u32)
-            .filter(|&i| usize::from(vertices[i as usize].0.class) == class)
-            .collect::<Vec<_>>();
-        if !of_class.is_empty() {
-            guide.roots[class] = Some(guide.nodes.len() as u32);
-            guide.nodes.push(Node::Cell(0));
-            let at = guide.nodes.len() - 1;
-            divide(&mut guide.nodes, at, vertices, of_class, &mut cells);
-        }
-    }
+    let points: Vec<_> = vertices.iter().map(|(vertex, _)| (vertex.p, vertex.class)).collect();
+    let (tree, cells) = SpaceTree::build(&points, MOST);
+    let mut guide = Guide { tree, moment: 1.0, ..Guide::default() };
     let make = |_: &mut (), n: usize| fill(vertices, &cells[n], learns);
     let filled: Vec<Filled> = threads::map_with(true, cells.len(), || (), make);
     let all: f64 = filled.iter().map(|cell| cell.moments[0]).sum();
@@ -52,41 +43,6 @@ pub(crate) fn build(vertices: &[Weighted], learns: bool) -> Guide {
         guide.moment = (sums[1] / sums[0]) as f32;
     }
     guide
-}
-
-/// Divides vertices between cells, at the median along the longest side of their box.
-fn divide(
-    nodes: &mut Vec<Node>,
-    at: usize,
-    vertices: &[Weighted],
-    mut numbers: Vec<u32>,
-    cells: &mut Vec<Vec<u32>>,
-) {
-    let p = |i: u32| vertices[i as usize].0.p;
-    let (low, high) = numbers
-        .iter()
-        .fold((p(numbers[0]), p(numbers[0])), |(low, high), &i| (low.min(p(i)), high.max(p(i))));
-    let sides = high - low;
-    let axis = if sides.x >= sides.y && sides.x >= sides.z { 0 } else { 1 + usize::from(sides.z > sides.y) };
-    if numbers.len() > MOST && sides[axis] > 0.0 {
-        let middle = numbers.len() / 2;
-        numbers.select_nth_unstable_by(middle, |&a, &b| p(a)[axis].total_cmp(&p(b)[axis]).then(a.cmp(&b)));
-        let plane = p(numbers[middle])[axis];
-        let (mut below, mut above): (Vec<u32>, Vec<u32>) = numbers.iter().partition(|&&i| p(i)[axis] < plane);
-        if !below.is_empty() && !above.is_empty() {
-            below.sort_unstable();
-            above.sort_unstable();
-            let children = nodes.len();
-            nodes[at] = Node::Split { axis: axis as u8, at: plane, children: children as u32 };
-            nodes.extend([Node::Cell(0); 2]);
-            divide(nodes, children, vertices, below, cells);
-            divide(nodes, children + 1, vertices, above, cells);
-            return;
-        }
-    }
-    numbers.sort_unstable();
-    nodes[at] = Node::Cell(cells.len() as u32);
-    cells.push(numbers);
 }
 
 /// A cell that is built.

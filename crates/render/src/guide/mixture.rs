@@ -8,8 +8,8 @@ use gnurt_shading::bsdf::{Prepared, Sampled};
 use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
 
-use super::recorder::class_of;
 use super::space::Guide;
+use crate::space_tree::class_of;
 
 /// The guide at some points.
 pub(crate) struct Mixture<'a, R: Real> {
@@ -35,7 +35,7 @@ impl<'a, R: Real> Mixture<'a, R> {
         let mut roots = [u32::MAX; LANES];
         let mut shares = [0.0; LANES];
         for i in LanesOf(R::bits(there & guidable.above(zero))) {
-            if let Some(cell) = guide.cell(p.get(i), usize::from(class_of(ns.get(i)))) {
+            if let Some(cell) = guide.cell(p.get(i), class_of(ns.get(i))) {
                 (roots[i], shares[i]) = (cell.root, cell.share);
             }
         }

@@ -17,5 +17,5 @@ mod tests;
 
 pub(crate) use build::{Weighted, build};
 pub(crate) use mixture::Mixture;
-pub(crate) use recorder::{Recorder, Vertex, class_of, grey};
+pub(crate) use recorder::{Recorder, Vertex, grey};
 pub(crate) use space::Guide;

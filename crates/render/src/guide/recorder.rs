@@ -66,10 +66,3 @@ impl Recorder {
 pub(crate) fn grey(color: Vec3) -> f32 {
     color.element_sum() * (1.0 / 3.0)
 }
-
-/// The orientation of a surface with this normal.
-pub(crate) fn class_of(normal: Vec3) -> u8 {
-    let size = normal.abs();
-    let axis = if size.x >= size.y && size.x >= size.z { 0 } else { 1 + u8::from(size.z > size.y) };
-    2 * axis + u8::from(normal[usize::from(axis)] < 0.0)
-}

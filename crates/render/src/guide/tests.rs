@@ -12,9 +12,10 @@ use gnurt_shading::sampling::{Draws, hash_combine, uniform_sphere};
 use super::directions::{Sample, Trees};
 use super::mixture::Mixture;
 use super::octahedron::{direction_of, square_of, stretch};
-use super::recorder::{Recorder, Vertex, class_of};
+use super::recorder::{Recorder, Vertex};
 use super::share::{self, HeldOut};
-use super::space::{Cell, Guide, Node};
+use super::space::{Cell, Guide};
+use crate::space_tree::{SpaceTree, class_of};
 
 /// The centres of a grid of `n` times `n` parts of the square.
 fn grid(n: u32) -> impl Iterator<Item = Vec2> {
@@ -130,13 +131,13 @@ fn samples_have_their_density() {
     assert!(sum < 1.1 * bound(degrees), "{sum} with {degrees} degrees of freedom");
 }
 
-/// A map of one cell.
+/// A map that is the same everywhere.
 fn guide(share: f32) -> Guide {
     let (trees, root) = trees();
-    let mut guide = Guide { trees, cells: vec![Cell { root, share }], ..Guide::default() };
-    guide.roots = [Some(0); super::space::CLASSES];
-    guide.nodes.push(Node::Cell(0));
-    guide
+    let normals = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+    let points: Vec<_> = normals.map(|normal| (Vec3::ZERO, class_of(normal))).collect();
+    let (tree, cells) = SpaceTree::build(&points, 1);
+    Guide { tree, trees, cells: vec![Cell { root, share }; cells.len()], ..Guide::default() }
 }
 
 #[test]

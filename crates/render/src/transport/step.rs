@@ -27,6 +27,7 @@ use crate::held::Held;
 use crate::options::RenderOptions;
 use crate::pixel_order::PixelOrder;
 use crate::seen::SeenLight;
+use crate::space_tree::class_of;
 use crate::world::{HitLanes, World};
 
 /// Paths that met one shader.
@@ -645,7 +646,7 @@ fn go_on<R: Real>(
                     guidable: mixture.guidable.lane(i),
                     throughput: guide::grey(before.get(i)),
                     light: 0.0,
-                    class: guide::class_of(at.ns.get(i)),
+                    class: class_of(at.ns.get(i)),
                     before: met.paths.trail_of(of.numbers[i] as usize),
                 };
                 onward.next.trail[first_new + n] = recorder.scatter(vertex);
