@@ -180,6 +180,20 @@ type Given1 = (Vec<Data>, Vec<Event>);
 /// Compares, as the group is and as it is optimised, of which the last layer's outputs are wanted. The oracle
 /// runs every operation of the text. Returns how many operations of the latter were left to the interpreter.
 pub(crate) fn compare(group: &Group, text: &str) -> usize {
+    compare_with(group, Codes::All, text)
+}
+
+/// The codes of a plan that are compared.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Codes {
+    /// At all levels, for one point and for many.
+    All,
+    /// At one level, for one point or for many, by a number.
+    Some(u64),
+}
+
+/// The same with some codes.
+pub(crate) fn compare_with(group: &Group, codes: Codes, text: &str) -> usize {
     let plan = |optimise, outputs| {
         let options = PlanOptions { optimise, outputs, drops_outputs: optimise, ..PlanOptions::default() };
         Arc::new(Plan::new(group, &options).expect("all operations are known"))
@@ -200,8 +214,8 @@ pub(crate) fn compare(group: &Group, text: &str) -> usize {
         })
         .collect();
     let expected = Expected::of(&plain, outputs);
-    expected.compare(&plain, 0, text);
-    expected.compare(&plan(true, wanted), group.layers.len() - 1, text)
+    expected.compare(&plain, codes, 0, text);
+    expected.compare(&plan(true, wanted), codes, group.layers.len() - 1, text)
 }
 
 /// What the interpreter gives.
@@ -231,11 +245,19 @@ impl Expected {
         Self { points, outputs, given }
     }
 
-    /// With the code of a plan at all levels, and the outputs from a layer on.
-    fn compare(&self, plan: &Arc<Plan>, first: usize, text: &str) -> usize {
-        let levels: Vec<_> = Level::available().into_iter().filter(|&level| Compiled::can(level)).collect();
+    /// With codes of a plan, and the outputs from a layer on.
+    fn compare(&self, plan: &Arc<Plan>, codes: Codes, first: usize, text: &str) -> usize {
+        let mut levels: Vec<_> =
+            Level::available().into_iter().filter(|&level| Compiled::can(level)).collect();
+        let mut widths = vec![Compiled::scalar, Compiled::new];
+        if let Codes::Some(number) = codes {
+            // Both halves of all numbers meet each level.
+            let number = number as usize;
+            widths = vec![widths[number % widths.len()]];
+            levels = vec![levels[number / 2 % levels.len()]];
+        }
         let mut left = 0;
-        for make in [Compiled::scalar, Compiled::new] {
+        for make in widths {
             let mut known: Option<Compiled> = None;
             for &level in &levels {
                 let made =
