@@ -14,6 +14,7 @@ use gnurt_image::{Picture, heat_map};
 use gnurt_shading::{CameraShader, OutputKind};
 
 use crate::bands::{ColorBand, FilmBand};
+use crate::caustics_training;
 use crate::error::RenderError;
 use crate::film::{self, TileFilm};
 use crate::frame::Frame;
@@ -34,7 +35,7 @@ use crate::shader_outputs;
 use crate::stats::RenderStats;
 use crate::tile::render_tile;
 use crate::tracer::BatchTracer;
-use crate::transport::manifold::{self, Caustics};
+use crate::transport::manifold::Caustics;
 use crate::world::World;
 
 /// Receives the progress of a picture, and may stop it. Called from many threads at once.
@@ -233,12 +234,33 @@ impl Accumulation {
     ) -> bool {
         if self.options.integrator == Integrator::Auto && self.chosen.is_none() {
             let until = (watch, self.limit);
-            let Some(chosen) = integrator_choice::choose(world, camera, &self.options, until, pool) else {
+            let caustics = self.caustics.as_ref().and_then(Option::as_ref);
+            let setup = (&self.options, caustics);
+            let Some(chosen) = integrator_choice::choose(world, camera, setup, until, pool) else {
                 return false;
             };
             self.stats.add(&chosen.cost);
             self.stats.choice = Some(chosen.stats);
             self.chosen = Some(Arc::new(chosen));
+        }
+        true
+    }
+
+    /// Finds smooth surfaces and lamps, and learns where searches pay, unless that is done. Returns false if it was told to stop.
+    fn learn_caustics(
+        &mut self,
+        world: &World,
+        camera: &dyn CameraShader,
+        watch: &dyn Watch,
+        pool: &rayon::ThreadPool,
+    ) -> bool {
+        if self.caustics.is_none() {
+            let (options, until) = (Chosen::of(None, &self.options), (watch, self.limit));
+            let Some(learned) = caustics_training::learn(world, camera, &options, until, pool) else {
+                return false;
+            };
+            self.stats.add(&learned.cost);
+            self.caustics = Some(learned.caustics);
         }
         true
     }
@@ -254,7 +276,8 @@ impl Accumulation {
     ) -> bool {
         if self.trained.is_none() {
             let until = (watch, self.limit);
-            let Some(trained) = guide_training::train(world, camera, options, until, pool) else {
+            let setup = (options, self.caustics.clone().flatten());
+            let Some(trained) = guide_training::train(world, camera, setup, until, pool) else {
                 return false;
             };
             self.stats.add(&trained.cost);
@@ -300,7 +323,10 @@ impl Accumulation {
         let at_rest = opened.as_ref().unwrap_or(world);
         let begins = done_before < last && pixels > 0;
         // Pictures in motion have no time for pilots.
-        let waits = begins && persistent.is_none() && !self.choose(at_rest, camera, &watched, pool);
+        let waits = begins
+            && persistent.is_none()
+            && !(self.learn_caustics(at_rest, camera, &watched, pool)
+                && self.choose(at_rest, camera, &watched, pool));
         let options = Chosen::of(self.chosen.as_deref(), &self.options);
         let guided_from = options.guided_from().filter(|&from| from < last && pixels > 0);
         let waits =
@@ -320,7 +346,8 @@ impl Accumulation {
             PassSetup { camera, options: &options, watch: &watched, deadline, all_samples, guide };
         let mut shared = pass_setup.job(world, self.stats.samples);
         shared.common = self.common.clone();
-        shared.caustics = self.caustics.get_or_insert_with(|| find_caustics(&shared)).clone();
+        let find = || caustics_training::find(&shared).map(Arc::new);
+        shared.caustics = self.caustics.get_or_insert_with(find).clone();
         // Virtual lights are one sample's.
         let at_once = if has_virtual_lights || is_of_pass { 1 } else { u32::MAX };
         let mut done = done_before;
@@ -332,7 +359,9 @@ impl Accumulation {
                 }
                 let mut job = pass_setup.job(world, self.stats.samples);
                 // Lamps are elsewhere.
-                job.caustics = find_caustics(&job);
+                let places = shared.caustics.as_ref().and_then(|caustics| caustics.places());
+                job.caustics = caustics_training::find(&job)
+                    .map(|caustics| Arc::new(caustics.with_places(places.cloned())));
                 job
             });
             let job = own.as_ref().unwrap_or(&shared);
@@ -505,11 +534,6 @@ impl<'a> PassSetup<'a> {
         *job.samples_done.get_mut() = samples_done;
         job
     }
-}
-
-/// Smooth surfaces and lamps of the world of a job, for searches.
-fn find_caustics(job: &Job) -> Option<Arc<Caustics>> {
-    manifold::find(&mut job.tracer(false)).map(Arc::new)
 }
 
 /// Adds sample `sample` to all tiles, which is averaged over neighbours; to none, and `None`, if it is time to stop.

@@ -22,7 +22,7 @@ use crate::sampler::Sampler;
 use crate::stats::{GuideStats, RenderStats};
 use crate::tracer::BatchTracer;
 use crate::transport::links::LinkedPaths;
-use crate::transport::manifold;
+use crate::transport::manifold::Caustics;
 use crate::world::World;
 
 /// The seed of the pilot differs in these bits.
@@ -50,7 +50,7 @@ pub(crate) struct Trained {
 pub(crate) fn train(
     world: &World,
     camera: &dyn CameraShader,
-    options: &RenderOptions,
+    (options, caustics): (&RenderOptions, Option<Arc<Caustics>>),
     (watch, deadline): (&dyn Watch, Option<Instant>),
     pool: &rayon::ThreadPool,
 ) -> Option<Trained> {
@@ -58,7 +58,7 @@ pub(crate) fn train(
     let options = options.of_pilot(PILOT);
     let mut job = Job::new(world, camera, &options, watch);
     job.deadline = deadline;
-    job.caustics = manifold::find(&mut job.tracer(false)).map(Arc::new);
+    job.caustics = caustics;
     let region = [0, 0, options.width, options.height];
     let rects: Vec<[u32; 4]> = rects(region).collect();
     let most = MOST_VERTICES / rects.len().max(1);

@@ -17,12 +17,12 @@ use gnurt_shading::CameraShader;
 use crate::film::TileFilm;
 use crate::job::Job;
 use crate::many_lights;
-use crate::options::{Guiding, Integrator, RenderOptions};
+use crate::options::{Caustics as Searches, Guiding, Integrator, RenderOptions};
 use crate::progress::Watch;
 use crate::sampler::Sampler;
 use crate::stats::{ChoiceStats, MethodStats, RenderStats};
 use crate::tracer::BatchTracer;
-use crate::transport::manifold;
+use crate::transport::manifold::Caustics;
 use crate::world::World;
 
 /// The seed of the pilot differs in these bits.
@@ -67,7 +67,8 @@ impl Chosen {
 /// The options with one of the integrators.
 fn with(options: &RenderOptions, integrator: Integrator, vpls: u32) -> RenderOptions {
     let guiding = if options.guiding == Guiding::Off { Guiding::Auto } else { options.guiding };
-    RenderOptions { integrator, guiding, vpls, interleave: 1, ..options.clone() }
+    let caustics = if options.caustics == Searches::Off { Searches::Auto } else { options.caustics };
+    RenderOptions { integrator, guiding, caustics, vpls, interleave: 1, ..options.clone() }
 }
 
 /// Whether virtual lights show all that the picture asks for.
@@ -84,7 +85,7 @@ fn is_open_question(world: &World, options: &RenderOptions) -> bool {
 pub(crate) fn choose(
     world: &World,
     camera: &dyn CameraShader,
-    options: &RenderOptions,
+    (options, caustics): (&RenderOptions, Option<&Arc<Caustics>>),
     (watch, deadline): (&dyn Watch, Option<Instant>),
     pool: &rayon::ThreadPool,
 ) -> Option<Chosen> {
@@ -93,19 +94,23 @@ pub(crate) fn choose(
         ChoiceStats { integrator: Integrator::Path, virtual_lights: FEW_LIGHTS, methods: None, seconds: 0.0 };
     let mut cost = RenderStats::default();
     if is_open_question(world, options) {
-        let pictures = [Integrator::Path, Integrator::BidirectionalInstantRadiosity].map(|integrator| {
+        let pictures = |integrator| {
             let options = pilot_options(&with(options, integrator, FEW_LIGHTS));
-            Pictures::render(world, camera, &options, (watch, deadline), pool)
-        });
-        let [Some(paths), Some(lights)] = pictures else { return None };
+            Pictures::render(world, camera, (&options, caustics), (watch, deadline), pool)
+        };
+        let paths = pictures(Integrator::Path)?;
         cost.add(&paths.stats);
-        cost.add(&lights.stats);
-        let mut methods = measure([&paths, &lights]);
-        (methods[1], stats.virtual_lights) = with_enough(methods[1], lights.gathering());
-        if is_better(&methods[1], &methods[0]) {
-            stats.integrator = Integrator::BidirectionalInstantRadiosity;
+        // Virtual lights show light below surfaces as diffuse.
+        if !paths.goes_below {
+            let lights = pictures(Integrator::BidirectionalInstantRadiosity)?;
+            cost.add(&lights.stats);
+            let mut methods = measure([&paths, &lights]);
+            (methods[1], stats.virtual_lights) = with_enough(methods[1], lights.gathering());
+            if is_better(&methods[1], &methods[0]) {
+                stats.integrator = Integrator::BidirectionalInstantRadiosity;
+            }
+            stats.methods = Some(methods);
         }
-        stats.methods = Some(methods);
     }
     stats.seconds = begin.elapsed().as_secs_f64();
     // Its rays were traced; its samples are not in the picture.
@@ -150,22 +155,24 @@ struct Pictures {
     /// Mean of red, green and blue of each pixel, row by row, for each sample.
     samples: Vec<Vec<f32>>,
     stats: RenderStats,
+    /// Whether paths went below a surface.
+    goes_below: bool,
 }
 
 impl Pictures {
     fn render(
         world: &World,
         camera: &dyn CameraShader,
-        options: &RenderOptions,
+        (options, caustics): (&RenderOptions, Option<&Arc<Caustics>>),
         (watch, deadline): (&dyn Watch, Option<Instant>),
         pool: &rayon::ThreadPool,
     ) -> Option<Self> {
         let mut job = Job::new(world, camera, options, watch);
         job.deadline = deadline;
-        job.caustics = manifold::find(&mut job.tracer(false)).map(Arc::new);
+        job.caustics = caustics.cloned();
         let [width, height] = [options.width, options.height];
         let mut tiles = TileFilm::cover([0, 0, width, height], options);
-        let (mut stats, mut samples) = (RenderStats::default(), Vec::new());
+        let (mut stats, mut samples, mut goes_below) = (RenderStats::default(), Vec::new(), false);
         let mut before = vec![0.0; width as usize * height as usize];
         let mut sums = before.clone();
         for sample in 0..options.spp {
@@ -175,11 +182,14 @@ impl Pictures {
             let pieces = Pieces::new(&mut tiles, 1);
             let render = |tracer: &mut BatchTracer, n: usize| {
                 sampler.render_samples(&mut pieces.lock(n)[0], tracer, sample + 1);
-                tracer.take_stats()
+                (tracer.take_stats(), tracer.wavefront.below.has_begun)
             };
             let of_tiles =
                 pool.install(|| threads::map_with(true, pieces.count(), || sampler.tracer(), render));
-            of_tiles.iter().for_each(|tile| stats.add(tile));
+            for (of_tile, has_begun) in &of_tiles {
+                stats.add(of_tile);
+                goes_below |= has_begun;
+            }
             if job.should_stop() {
                 return None;
             }
@@ -193,7 +203,7 @@ impl Pictures {
             samples.push(sums.iter().zip(&before).map(|(sum, before)| (sum - before) as f32).collect());
             before.clone_from(&sums);
         }
-        Some(Self { width: width as usize, samples, stats })
+        Some(Self { width: width as usize, samples, stats, goes_below })
     }
 
     /// Cost of the rays to virtual lights of a sample of a pixel.
@@ -273,7 +283,7 @@ mod tests {
     /// Two samples of each pixel of a row.
     fn pictures(samples: [[f32; 4]; 2], rays: u64) -> Pictures {
         let stats = RenderStats { camera_rays: rays, ..RenderStats::default() };
-        Pictures { width: 4, samples: samples.map(Vec::from).to_vec(), stats }
+        Pictures { width: 4, samples: samples.map(Vec::from).to_vec(), stats, goes_below: false }
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod by_name;
 mod camera;
 mod camera_batch;
 mod camera_matrices;
+mod caustics_training;
 mod checkpoint;
 mod cone;
 mod cost;

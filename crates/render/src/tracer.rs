@@ -28,7 +28,7 @@ use crate::options::{Integrator, RenderOptions};
 use crate::pixel_order::PixelOrder;
 use crate::seen::SeenLight;
 use crate::stats::RenderStats;
-use crate::transport::manifold::Caustics;
+use crate::transport::manifold::{Caustics, Searched};
 use crate::transport::{Blockers, Through, Wavefront};
 use crate::world::{HitLanes, World};
 
@@ -80,6 +80,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) guide_from: Option<(&'w Guide, u32)>,
     /// Smooth surfaces and lamps of searches, if paths make them.
     pub(crate) caustics: Option<&'w Caustics>,
+    /// The searches that were made, if a pilot learns from them.
+    pub(crate) searched: Option<Vec<Searched>>,
     /// How pixels share virtual lights out.
     pub(crate) sharing: Sharing,
     /// Keys of samples.
@@ -148,6 +150,7 @@ impl<'w> BatchTracer<'w> {
             guide: None,
             guide_from: None,
             caustics: None,
+            searched: None,
             probes: options.integrator.has_virtual_lights(),
             sharing: Sharing::All,
             pixel_order: PixelOrder::new(options),

@@ -6,8 +6,10 @@ use crate::common::*;
 use gnurt_render::{
     Accumulation, Frame, Guiding, Integrator, LightLayer, RenderOptions, SceneCamera, Silent, World, render,
 };
-use gnurt_scene::Scene;
+use gnurt_scene::detail::Subsurface;
+use gnurt_scene::material::{Color, Principled};
 use gnurt_scene::medium::Medium;
+use gnurt_scene::{Material, Scene, Surface};
 
 fn auto(width: u32, height: u32, spp: u32) -> RenderOptions {
     RenderOptions { integrator: Integrator::Auto, max_depth: 8, ..options(width, height, spp) }
@@ -24,13 +26,18 @@ fn frame_of(of: &(World, SceneCamera), options: &RenderOptions) -> Frame {
 
 /// A white room with a lamp that shines at the ceiling from above a shelf: all light was scattered.
 fn shelf() -> (World, SceneCamera) {
+    let (scene, view) = shelf_scene();
+    (world_of(&scene, false), view)
+}
+
+fn shelf_scene() -> (Scene, SceneCamera) {
     let mut scene = Scene::new();
     let grey = matte(&mut scene, [0.7, 0.6, 0.5]);
     room(&mut scene, grey);
     put_mesh(&mut scene, quad([-1.0, -1.0, 2.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], grey));
     let lamp = emitter(&mut scene, [40.0, 36.0, 30.0]);
     put_mesh(&mut scene, quad([-0.05, -0.05, 2.2], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], lamp));
-    (world_of(&scene, false), camera([-2.9, -1.6, 1.6], [0.0, 0.4, 1.0], 70.0))
+    (scene, camera([-2.9, -1.6, 1.6], [0.0, 0.4, 1.0], 70.0))
 }
 
 /// A floor under a sky: light samples find all of its light.
@@ -119,4 +126,22 @@ fn no_pilot_where_something_would_be_left_out() {
     assert_eq!((choice.integrator, choice.methods), (Integrator::Path, None), "{choice}");
     let with_pilot = frame_of(&of, &plain).stats.choice.expect("it was asked for");
     assert!(with_pilot.methods.is_some(), "but for these");
+}
+
+/// Virtual lights show light below surfaces as diffuse: a pilot of paths that meets some decides.
+#[test]
+fn light_below_surfaces_is_left_to_paths() {
+    let (mut scene, view) = shelf_scene();
+    let subsurface = Subsurface { factor: 1.0, radius: [0.3, 0.2, 0.1], anisotropy: 0.0 };
+    let skin = Principled {
+        base_color: Color::constant([0.8, 0.5, 0.4]),
+        metallic: 0.0,
+        subsurface,
+        ..Principled::default()
+    };
+    let skin = scene.add_material(Material::of("", Surface::Principled(Box::new(skin))));
+    put_mesh(&mut scene, sphere([0.0, 0.4, 0.5], 0.5, 12, skin));
+    let choice = frame_of(&(world_of(&scene, false), view), &auto(40, 30, 2)).stats.choice;
+    let choice = choice.expect("it was asked for");
+    assert_eq!((choice.integrator, choice.methods), (Integrator::Path, None), "{choice}");
 }

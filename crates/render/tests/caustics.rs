@@ -11,6 +11,11 @@ use gnurt_scene::material::Color;
 use gnurt_scene::{Light, Material, MaterialId, Mesh, Primitives, Scene, Surface};
 
 const ALBEDO: f32 = 0.6;
+const VIRTUAL: [Integrator; 3] = [
+    Integrator::InstantRadiosity,
+    Integrator::BidirectionalInstantRadiosity,
+    Integrator::MetropolisInstantRadiosity,
+];
 
 fn with(spp: u32, max_depth: u32, caustics: Caustics) -> RenderOptions {
     RenderOptions { integrator: Integrator::Path, max_depth, caustics, ..options(4, 4, spp) }
@@ -124,6 +129,22 @@ fn slabs_bend_the_light_of_points() {
     }
 }
 
+/// Virtual lights leave lamps behind glass to searches, too.
+#[test]
+fn virtual_lights_search_at_what_is_seen() {
+    let mut scene = floor(ALBEDO, 20.0);
+    let glass = glass(&mut scene, 1.5, Interior::default());
+    slab(&mut scene, glass);
+    scene.add_light(Light::Point { position: [0.5, 0.0, 2.0], intensity: [7.0; 3] });
+    let world = world_of(&scene, false);
+    let expected = f64::from(ALBEDO) / PI * 7.0 * behind_a_slab(0.5, 1.5, 0.5, 1.5, 0.0);
+    for integrator in VIRTUAL {
+        let with = |spp, caustics| RenderOptions { integrator, vpls: 8, ..with(spp, 4, caustics) };
+        assert_close(measured(&world, &with(512, Caustics::Auto)), expected, 0.06, integrator.name());
+        assert_eq!(measured(&world, &with(16, Caustics::Off)), 0.0, "by chance nothing");
+    }
+}
+
 /// The sun straight through a pane is that of light samples; a search does not count it again.
 #[test]
 fn the_sun_through_a_window_counts_once() {
@@ -204,15 +225,55 @@ fn the_mean_is_that_of_scattered_rays() {
     }
 }
 
+/// Light of a lamp that a slab brings to a floor and a wall, and these to each other: by paths, and by virtual lights, which bring most of
+/// it on. Without searches those have no light of a point lamp where it falls.
+#[test]
+fn virtual_lights_have_the_mean_of_paths() {
+    for is_point in [true, false] {
+        let mut scene = floor(0.8, 3.0);
+        let white = matte(&mut scene, [0.8; 3]);
+        put_mesh(&mut scene, quad([-3.0, 1.2, 0.0], [6.0, 0.0, 0.0], [0.0, 0.0, 0.5], white));
+        let glass = glass(&mut scene, 1.5, Interior::default());
+        slab(&mut scene, glass);
+        if is_point {
+            scene.add_light(Light::Point { position: [0.2, 0.3, 2.0], intensity: [7.0; 3] });
+        } else {
+            let lamp = emitter(&mut scene, [30.0; 3]);
+            put_mesh(&mut scene, quad([0.0, 0.0, 2.0], [0.0, 0.6, 0.0], [0.6, 0.0, 0.0], lamp));
+        }
+        let of = (world_of(&scene, false), camera([0.0, -0.6, 0.3], [0.1, 1.2, 0.15], 50.0));
+        let with = |integrator, caustics, spp| RenderOptions {
+            integrator,
+            vpls: 32,
+            width: 12,
+            height: 9,
+            ..small(spp, caustics)
+        };
+        let path = if is_point { Caustics::On } else { Caustics::Off };
+        let [path, path_error] =
+            statistics(&of, &with(Integrator::Path, path, if is_point { 64 } else { 384 }), 4);
+        let [none, _] = statistics(&of, &with(VIRTUAL[1], Caustics::Off, 16), 3);
+        for integrator in if is_point { &VIRTUAL[..] } else { &VIRTUAL[1..2] } {
+            let [found, error] = statistics(&of, &with(*integrator, Caustics::On, 16), 6);
+            let error = error.hypot(path_error);
+            assert!(error < 0.03 * path, "enough samples to tell: {integrator} {found} within {error}");
+            assert!((found - path).abs() < 3.0 * error, "{integrator} {found}, paths {path}, error {error}");
+            assert!(!is_point || none < 0.8 * path, "searches find what others do not: {none} of {path}");
+        }
+    }
+}
+
 /// Threads, levels, pieces and checkpoints.
 #[test]
 fn divided_pictures_have_the_same_bytes() {
     let of = ball_and_bowl(true, false);
-    let options = small(2, Caustics::On);
-    let whole = picture_of(&of, &options, 1);
-    let off = picture_of(&of, &small(2, Caustics::Off), 2);
-    assert!(bits(&whole) != bits(&off), "searches are made");
-    same_bytes_divided(&of, &options, &whole, &off);
+    for integrator in [Integrator::Path, Integrator::BidirectionalInstantRadiosity] {
+        let with = |caustics| RenderOptions { integrator, ..small(2, caustics) };
+        let whole = picture_of(&of, &with(Caustics::On), 1);
+        let off = picture_of(&of, &with(Caustics::Off), 2);
+        assert!(bits(&whole) != bits(&off), "searches are made");
+        same_bytes_divided(&of, &with(Caustics::On), &whole, &off);
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use gnurt_shading::bsdf::BsdfSample;
 use super::walk::{Stop, Walk};
 use crate::tracer::BatchTracer;
 use crate::transport::Vertex;
-use crate::transport::manifold::{self, Chain, Rough};
+use crate::transport::manifold::{self, Caustics, Chain, Rough};
 use crate::transport::step::is_hole;
 
 /// Adds the light that searches find.
@@ -21,7 +21,8 @@ pub(super) fn search(tracer: &mut BatchTracer, stops: &[Stop], radiance: &mut Ve
         if is_hole(world, walk.edges, *instance) || !eye.bsdf.is_smooth() {
             return None;
         }
-        let chance = manifold::chance_of(options, &walk.chain, (walk.key, walk.edges, walk.throughput))?;
+        let of_walk = (&walk.chain, walk.key, walk.edges, walk.throughput);
+        let chance = manifold::chance_of((options, caustics), of_walk, &eye.point)?;
         Some(Rough {
             number,
             key: walk.key,
@@ -41,18 +42,19 @@ pub(super) fn search(tracer: &mut BatchTracer, stops: &[Stop], radiance: &mut Ve
 }
 
 /// The smooth surfaces behind a walk that goes on from a stop.
-pub(super) fn chain(stop: &Stop, sample: &BsdfSample) -> Chain {
+pub(super) fn chain(caustics: Option<&Caustics>, stop: &Stop, sample: &BsdfSample) -> Chain {
+    let Some(caustics) = caustics else { return Chain::default() };
     let Walk { chain, start, throughput, .. } = stop.walk;
     if sample.delta {
         let turn = (sample.wi, sample.transmitted);
         return manifold::turned(stop.smooth.as_deref(), (start, -stop.eye.wo), turn, chain);
     }
-    chain.rough(stop.mean_rays() * sample.pdf, chain.chance(throughput))
+    chain.rough(stop.mean_rays() * sample.pdf, chain.chance(caustics, throughput, &stop.eye.point))
 }
 
 /// The weight of a surface that a walk met, if it is a lamp that searches may find, too.
 pub(super) fn beside_searches(tracer: &BatchTracer, walk: &Walk, vertex: &Vertex) -> f32 {
     let Some(caustics) = tracer.caustics else { return 1.0 };
     let edge = (walk.start, vertex.point.p, -vertex.wo);
-    caustics.beside_searches(tracer.world.light_set(), &walk.chain, vertex.ids, edge)
+    walk.chain.beside_searches((tracer.world.light_set(), caustics), vertex.ids, edge)
 }

@@ -33,7 +33,7 @@ use super::vpl;
 use super::walk::{Last, Stop, Walk, purpose};
 use crate::cone::{Cone, ConeHit, fineness};
 use crate::tracer::{BatchTracer, Sharing};
-use crate::transport::manifold::Chain;
+use crate::transport::manifold::{Caustics, Chain};
 use crate::transport::mis::balance_heuristic;
 use crate::transport::walks::Walks;
 use crate::transport::{Vertex, roulette, sampling_normal};
@@ -565,7 +565,7 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> Walks<Wal
     let mut walks = Walks::default();
     for stop in stops {
         for n in 0..stop.rays {
-            if let Some((from, walk)) = scattered(tracer.options.seed, pass, stop, n) {
+            if let Some((from, walk)) = scattered((tracer.options.seed, tracer.caustics), pass, stop, n) {
                 walks.push(from, walk.key, walk);
             }
         }
@@ -574,7 +574,12 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> Walks<Wal
 }
 
 /// The `n`th of the rays that go on from a stop.
-fn scattered(seed: u64, pass: &PassLights, stop: &Stop, n: u32) -> Option<((gnurt_accel::Ray, Cone), Walk)> {
+fn scattered(
+    (seed, caustics): (u64, Option<&Caustics>),
+    pass: &PassLights,
+    stop: &Stop,
+    n: u32,
+) -> Option<((gnurt_accel::Ray, Cone), Walk)> {
     let Stop { walk, eye, rays: count, probability, .. } = stop;
     let (count, probability) = (*count, *probability);
     let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
@@ -615,7 +620,7 @@ fn scattered(seed: u64, pass: &PassLights, stop: &Stop, n: u32) -> Option<((gnur
         is_directly_visible: walk.is_directly_visible && sample.delta,
         light_gain: stop.light_gain,
         siblings: walk.siblings * count as f32,
-        chain: caustics::chain(stop, &sample),
+        chain: caustics::chain(caustics, stop, &sample),
         ..*walk
     };
     Some(((ray, stop.cone.after(&sample, fineness(walk.key.sample))), next))

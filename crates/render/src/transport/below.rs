@@ -47,6 +47,8 @@ pub(crate) struct Walks {
     pub(super) rays: RayBatch,
     pub(super) keys: Vec<SampleKey>,
     pub(super) hits: HitBatch,
+    /// Whether there ever was one.
+    pub(crate) has_begun: bool,
     /// Where walks left: rays from outside that end there, in place of the paths' rays.
     pub(super) leaving: Leaving,
     pub(super) white: ClosureBatch,

@@ -133,7 +133,7 @@ impl Met<'_> {
     fn beside_searches(&self, lights: &LightSet, path: &Path, k: usize) -> f32 {
         let Some(caustics) = self.caustics else { return 1.0 };
         let edge = (self.left(k), self.points.p.get(k), self.points.ray_dir.get(k));
-        caustics.beside_searches(lights, &path.chain, self.ids(k), edge)
+        path.chain.beside_searches((lights, caustics), self.ids(k), edge)
     }
 
     /// Whether the path at point `k` sees a hole there.
@@ -147,7 +147,10 @@ impl Met<'_> {
         let number = self.numbers[k] as usize;
         let before = self.paths.chain_of(number);
         match density {
-            Some(density) => before.rough(density, before.chance(self.paths.throughput.get(number))),
+            Some(density) => {
+                let throughput = self.paths.throughput.get(number);
+                before.rough(density, before.chance(caustics, throughput, &self.points.point(k)))
+            }
             None => {
                 let at = SmoothPoint::of((self.world, caustics), (self.points, self.closures), k);
                 let from = (self.left(k), self.points.ray_dir.get(k));

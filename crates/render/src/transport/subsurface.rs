@@ -73,6 +73,7 @@ impl Walks {
                 phase,
                 events: 0,
             };
+            self.has_begun = true;
             self.list.push((walk, Random::of_walk(options.seed, key, path.edges)));
         }
     }

@@ -5,15 +5,18 @@
 //! counts only; as both ways use the same weights, the mean stays. Space: world. Tests: crates/render/tests/caustics.rs.
 
 use glam::{Vec2, Vec3};
+use gnurt_shading::SurfacePoint;
+use gnurt_shading::lights::{LightId, LightSet};
 
 use super::differential::Differential;
+use super::known::Caustics;
 use super::smooth::SmoothPoint;
 use super::trace::MOST;
 
 /// How much searches that arrive count against scattered rays: their light is one over a count.
 const ARRIVES: f32 = 0.5;
 
-/// The chance of a search by how often the path was scattered before, per unit of its throughput.
+/// Where no pilot told: the chance of a search by how often the path was scattered before, per unit of its throughput.
 const CHANCES: [f32; 3] = [1.0, 0.25, 0.125];
 const LEAST_CHANCE: f32 = 1.0 / 32.0;
 
@@ -58,14 +61,32 @@ impl Chain {
     }
 
     /// The chance of a search from the point that it ends at, if its path has this throughput.
-    pub(crate) fn chance(&self, throughput: Vec3) -> f32 {
+    pub(crate) fn chance(&self, caustics: &Caustics, throughput: Vec3, point: &SurfacePoint) -> f32 {
+        if let Some(places) = caustics.places() {
+            return places.chance((point.p, point.ng), throughput);
+        }
         let of_order = CHANCES[usize::from(self.scattered).min(CHANCES.len() - 1)];
         (of_order * throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
     }
 
+    /// The weight of a surface that a scattered ray met, if it is a lamp that searches may find, too. The ray's last edge leads `from`
+    /// a point to this one along `dir`.
+    pub(crate) fn beside_searches(
+        &self,
+        (lights, caustics): (&LightSet, &Caustics),
+        ids: [u32; 3],
+        (from, to, dir): (Vec3, Vec3, Vec3),
+    ) -> f32 {
+        let Some(triangle) = lights.triangle(ids, dir) else { return 1.0 };
+        let Some(area) = lights.area_across(LightId(triangle), dir) else { return 1.0 };
+        let probability = caustics.probability(triangle);
+        let dist = (to - from).length();
+        if probability > 0.0 { self.weight(dir, dist, (area, probability)) } else { 1.0 }
+    }
+
     /// The weight of light at its end, `dist` on along `dir`; `area`: of the lamp across the ray, `probability`: of its choice
     /// by searches.
-    pub(super) fn weight(&self, dir: Vec3, dist: f32, (area, probability): (f32, f32)) -> f32 {
+    fn weight(&self, dir: Vec3, dist: f32, (area, probability): (f32, f32)) -> f32 {
         if !self.smooth.is_some_and(|count| (1..=MOST).contains(&usize::from(count))) {
             return 1.0;
         }

@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 
+use super::known::Caustics;
 use super::rounds::{chance_of, search};
 use super::search::{Found, Rough};
 use crate::expressions::{Lobe, Scatter};
@@ -15,25 +16,27 @@ use crate::transport::step::{Met, Onward};
 /// Adds the light of lamps behind smooth surfaces to points that paths met.
 pub(crate) fn connect(tracer: &mut BatchTracer, met: &Met, onward: &mut Onward) {
     let Some(caustics) = met.caustics.filter(|_| !met.is_final) else { return };
-    let points = (0..met.numbers.len()).filter_map(|k| rough(met, k));
+    let points = (0..met.numbers.len()).filter_map(|k| rough(met, caustics, k));
     search(tracer, caustics, points, |rough, found, light| deposit(met, rough, (found, light), onward));
 }
 
 /// Point `k`, if it makes a search.
-fn rough(met: &Met, k: usize) -> Option<Rough> {
+fn rough(met: &Met, caustics: &Caustics, k: usize) -> Option<Rough> {
     let path = met.path(k);
     if !met.is_there(k, &path) || met.is_hidden(k, &path) {
         return None;
     }
     let (key, edges, throughput) = (path.key, path.edges, path.throughput);
-    let chance = chance_of(met.options, &path.chain, (key, edges, throughput))?;
+    let point = met.points.point(k);
+    let of_path = (&path.chain, key, edges, throughput);
+    let chance = chance_of((met.options, caustics), of_path, &point)?;
     let bsdf = met.closures.point(k).bsdf;
     bsdf.is_smooth().then(|| Rough {
         number: k,
         key,
         edges,
         throughput,
-        point: met.points.point(k),
+        point,
         bsdf,
         wo: -met.points.ray_dir.get(k),
         rays: 1.0,

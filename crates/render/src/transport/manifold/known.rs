@@ -11,7 +11,7 @@ use glam::Vec3;
 use gnurt_shading::lights::{LampPoint, LightId, LightKind, LightSet, Place};
 use gnurt_shading::sampling::Distribution;
 
-use super::chain::Chain;
+use super::places::Places;
 use crate::transport::flight::Random;
 use crate::world::{PlacedMesh, World};
 
@@ -39,6 +39,8 @@ pub(crate) struct Caustics {
     power: Distribution,
     /// By emissive triangle: the probability that a search chooses it.
     searched: Vec<f32>,
+    /// Where searches are worth their rays, if a pilot told.
+    places: Option<Places>,
 }
 
 impl Caustics {
@@ -72,7 +74,17 @@ impl Caustics {
                 *searched = power.probability(i);
             }
         }
-        Some(Self { smooth, parts, lamps, power, searched })
+        Some(Self { smooth, parts, lamps, power, searched, places: None })
+    }
+
+    /// The same with chances that a pilot learned.
+    pub(crate) fn with_places(self, places: Option<Places>) -> Self {
+        Self { places, ..self }
+    }
+
+    /// These chances.
+    pub(crate) fn places(&self) -> Option<&Places> {
+        self.places.as_ref()
     }
 
     /// Whether some surface of a material may be smooth.
@@ -80,20 +92,9 @@ impl Caustics {
         self.smooth.get(material as usize).copied().unwrap_or(false)
     }
 
-    /// The weight of a surface that a scattered ray met, if it is a lamp that searches may find, too. The ray's last edge leads `from`
-    /// a point to this one along `dir`.
-    pub(crate) fn beside_searches(
-        &self,
-        lights: &LightSet,
-        chain: &Chain,
-        ids: [u32; 3],
-        (from, to, dir): (Vec3, Vec3, Vec3),
-    ) -> f32 {
-        let Some(triangle) = lights.triangle(ids, dir) else { return 1.0 };
-        let Some(area) = lights.area_across(LightId(triangle), dir) else { return 1.0 };
-        let probability = self.searched.get(triangle as usize).copied().unwrap_or(0.0);
-        let dist = (to - from).length();
-        if probability > 0.0 { chain.weight(dir, dist, (area, probability)) } else { 1.0 }
+    /// The probability that a search chooses an emissive triangle.
+    pub(super) fn probability(&self, triangle: u32) -> f32 {
+        self.searched.get(triangle as usize).copied().unwrap_or(0.0)
     }
 
     /// A point of a lamp, and the probability of the choice.

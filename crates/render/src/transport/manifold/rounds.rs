@@ -7,23 +7,25 @@ use gnurt_accel::{Coherence, HitBatch, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::sampling::{purpose, sample_pair};
-use gnurt_shading::{RayRequest, SampleKey, Vec3s};
+use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Vec3s};
 
 use super::chain::Chain;
 use super::known::Caustics;
+use super::places::Searched;
 use super::search::{Around, Found, Rough, Search, Waits};
 use crate::cone::Cones;
 use crate::options::RenderOptions;
+use crate::space_tree::class_of;
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::world::HitLanes;
 
-/// The chance of a search at the end of a path with this key, so many edges and this factor of its light; `None` if it makes none.
+/// The chance of a search from a point that a path ends at, by its chain, key, edges and factor of light; `None` if it makes none.
 pub(crate) fn chance_of(
-    options: &RenderOptions,
-    chain: &Chain,
-    (key, edges, throughput): (SampleKey, u32, Vec3),
+    (options, caustics): (&RenderOptions, &Caustics),
+    (chain, key, edges, throughput): (&Chain, SampleKey, u32, Vec3),
+    point: &SurfacePoint,
 ) -> Option<f32> {
-    let chance = chain.chance(throughput);
+    let chance = chain.chance(caustics, throughput, point);
     let [_, by_chance] = sample_pair(options.seed, key, edges, purpose::CAUSTIC);
     (edges + 2 <= options.max_depth && by_chance < chance).then_some(chance)
 }
@@ -55,8 +57,16 @@ pub(crate) fn search(
         round.blocked(tracer, around, &waiting, &mut searches);
     }
     for search in &searches {
+        let light = search.found.as_ref().map_or(Vec3::ZERO, |found| found.light * search.count());
         if let Some(found) = &search.found {
-            with(&search.rough, found, found.light * search.count());
+            with(&search.rough, found, light);
+        }
+        if let Some(searched) = &mut tracer.searched {
+            let Rough { point, throughput, chance, .. } = &search.rough;
+            let light = light.max_element() * chance / throughput.max_element();
+            if light.is_finite() {
+                searched.push(Searched { p: point.p, class: class_of(point.ng), light });
+            }
         }
     }
 }
