@@ -193,7 +193,8 @@ pub struct RenderOptions {
     pub clamp: Option<f32>,
     /// `Path`: whether directions are learned from a pilot rendering of the whole picture.
     pub guiding: Guiding,
-    /// `Path`: whether light that mirrors and smooth glass bring from lamps to rough surfaces is searched for.
+    /// `Path` and the integrators with virtual lights: whether light that mirrors and smooth glass bring from lamps to rough
+    /// surfaces is searched for. [`Integrator::Auto`] searches as by [`Caustics::Auto`] where this is off.
     pub caustics: Caustics,
     /// For the integrators with virtual lights: the radiance of a white diffuse surface under light 1, if its
     /// shader only has `shade`. 1 in the light model of OpenRT (light times colour times cosine), 1 / pi in

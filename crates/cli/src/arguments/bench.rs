@@ -225,7 +225,7 @@ pub(crate) struct BenchLightArguments {
     /// path: guide paths to where a pilot rendering found light: on, off or auto; reference pictures are not guided
     #[arg(long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "off")]
     pub(crate) guide: Guiding,
-    /// path: search for lamps that mirrors and smooth glass show to rough surfaces: on, off or auto; for reference pictures, too
+    /// path, ir, bir, mir: search for lamps that mirrors and smooth glass show to rough surfaces: on, off or auto; for reference pictures, too
     #[arg(long, value_name = "WHICH", value_parser = value::caustics, allow_hyphen_values = true, default_value = "off")]
     pub(crate) caustics: Caustics,
     /// Limit of the geometry term of virtual lights, 1/area

@@ -91,7 +91,7 @@ pub(crate) struct FrameArguments {
     /// finds that it pays
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "WHEN", value_parser = value::guide, allow_hyphen_values = true, default_value = "off")]
     pub(crate) guide: Guiding,
-    /// path: search for lamps that mirrors and smooth glass show to rough surfaces: on, off, or auto = lamps without extent and small ones
+    /// path, ir, bir, mir: search for lamps that mirrors and smooth glass show to rough surfaces: on, off, or auto = lamps without extent and small ones
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "WHICH", value_parser = value::caustics, allow_hyphen_values = true, default_value = "off")]
     pub(crate) caustics: Caustics,
     /// ir, bir, mir: interleaved sampling in patterns of NxN pixels: N^2 times fewer rays, slightly blurred; 1, 3, 5 or 7;
