@@ -81,14 +81,20 @@ impl RayTile {
             self.dir[k][..count].copy_from_slice(&rays.dir[k][first..first + count]);
         }
         self.t_near[..count].copy_from_slice(&rays.t_near[first..first + count]);
-        self.set_timed(!rays.time.is_empty());
-        if self.is_timed {
-            self.time[..count].copy_from_slice(&rays.time[first..first + count]);
-        }
+        self.set_times(&rays.time, first, count);
         nearest.t[..count].copy_from_slice(&rays.t_far[first..first + count]);
         nearest.number = [INVALID_ID; TILE];
         nearest.slot = [INVALID_ID; TILE];
         count
+    }
+
+    /// Takes the times of a batch from `first` on, if it has any.
+    #[inline(always)]
+    pub(crate) fn set_times(&mut self, times: &[f32], first: usize, count: usize) {
+        self.set_timed(!times.is_empty());
+        if self.is_timed {
+            self.time[..count].copy_from_slice(&times[first..first + count]);
+        }
     }
 
     /// Sets whether its rays have times.
@@ -246,6 +252,13 @@ impl RayTile {
         }
         let jumps: f32 = jumps.as_array().iter().sum();
         jumps > pairs.count_ones() as f32 * edges / 16.0
+    }
+
+    /// The origin of the first ray in `active`, which is not 0.
+    #[inline(always)]
+    pub fn origin(&self, active: u64) -> [f32; 3] {
+        let i = active.trailing_zeros() as usize & (TILE - 1);
+        [self.org[0][i], self.org[1][i], self.org[2][i]]
     }
 
     /// One of the rays, up to `t_far`.

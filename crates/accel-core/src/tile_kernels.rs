@@ -14,6 +14,7 @@ use crate::bits::TILE;
 use crate::direction_class::DirectionClasses;
 use crate::hit::{HitBatch, INVALID_ID};
 use crate::ray::Ray;
+use crate::ray_batch::RayBatch;
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 
 /// The operations of one level on tiles. Made by [`TileKernels::of`]; its functions run with that level's
@@ -31,8 +32,12 @@ struct Table {
     hit: fn(Token, &NearestTile) -> u64,
     fill: fn(Token, &mut RayTile, [f32; 3], &mut NearestTile) -> u64,
     carry: fn(Token, &ObjectFromWorld, &RayTile, &mut RayTile),
-    store: fn(Token, &NearestTile, [u32; 2], &mut HitBatch, usize),
+    load: fn(Token, &RayBatch, usize, &mut RayTile, &mut NearestTile) -> u64,
+    store: fn(Token, &NearestTile, OfOneObject, &mut HitBatch, usize),
 }
+
+/// Instance and number of an object, and the first numbers of its meshes but the first.
+type OfOneObject<'a> = ([u32; 2], &'a [u32]);
 
 struct For<S>(PhantomData<S>);
 
@@ -44,7 +49,8 @@ impl<S: Simd> For<S> {
         hit: kernel!(S, |simd, nearest| hit(simd, nearest)),
         fill: kernel!(S, |simd, rays, org, nearest| fill(simd, rays, org, nearest)),
         carry: kernel!(S, |simd, map, rays, inside| carry(simd, map, rays, inside)),
-        store: kernel!(S, |simd, nearest, ids, hits, first| store(simd, nearest, ids, hits, first)),
+        load: kernel!(S, |simd, batch, first, rays, nearest| load(simd, batch, first, rays, nearest)),
+        store: kernel!(S, |simd, nearest, object, hits, first| store(simd, nearest, object, hits, first)),
     };
 }
 
@@ -98,10 +104,16 @@ impl TileKernels {
         (self.table.carry)(self.token, map, rays, inside);
     }
 
-    /// Writes a whole tile, whose numbers are `prim_id`s of one mesh in instance `inst_id`, from lane `first` on.
+    /// Loads rays `first..first + 64` of a batch, which has as many; returns the bits of [`sound`](Self::sound).
     #[inline]
-    pub fn store(&self, nearest: &NearestTile, ids: [u32; 2], hits: &mut HitBatch, first: usize) {
-        (self.table.store)(self.token, nearest, ids, hits, first);
+    pub fn load(&self, batch: &RayBatch, first: usize, rays: &mut RayTile, nearest: &mut NearestTile) -> u64 {
+        (self.table.load)(self.token, batch, first, rays, nearest)
+    }
+
+    /// Writes a whole tile, whose hits are on few meshes of one object, from lane `first` on.
+    #[inline]
+    pub fn store(&self, nearest: &NearestTile, object: OfOneObject, hits: &mut HitBatch, first: usize) {
+        (self.table.store)(self.token, nearest, object, hits, first);
     }
 }
 
@@ -234,9 +246,44 @@ fn carry<S: Simd>(simd: S, map: &ObjectFromWorld, rays: &RayTile, inside: &mut R
     }
 }
 
+/// 64 values from `first` on.
 #[inline(always)]
-fn store<S: Simd>(simd: S, nearest: &NearestTile, ids: [u32; 2], hits: &mut HitBatch, first: usize) {
-    let [inst_id, leaf_id] = ids;
+fn copy<S: Simd>(simd: S, from: &[f32], first: usize, to: &mut PerRay) {
+    let from = &from[first..first + TILE];
+    for at in (0..TILE).step_by(LANES) {
+        f32x16::from_slice(simd, &from[at..at + LANES]).store_slice(&mut to[at..at + LANES]);
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(
+    simd: S,
+    batch: &RayBatch,
+    first: usize,
+    rays: &mut RayTile,
+    nearest: &mut NearestTile,
+) -> u64 {
+    rays.direction_class = None;
+    for k in 0..3 {
+        copy(simd, &batch.org[k], first, &mut rays.org[k]);
+        copy(simd, &batch.dir[k], first, &mut rays.dir[k]);
+    }
+    copy(simd, &batch.t_near, first, &mut rays.t_near);
+    copy(simd, &batch.t_far, first, &mut nearest.t);
+    rays.set_times(&batch.time, first, TILE);
+    nearest.number = [INVALID_ID; TILE];
+    nearest.slot = [INVALID_ID; TILE];
+    sound(simd, rays, nearest)
+}
+
+#[inline(always)]
+fn store<S: Simd>(
+    simd: S,
+    nearest: &NearestTile,
+    ([inst_id, leaf_id], starts): OfOneObject,
+    hits: &mut HitBatch,
+    first: usize,
+) {
     let (none, zero) = (u32x16::splat(simd, INVALID_ID), f32x16::splat(simd, 0.0));
     for lane in (0..TILE).step_by(LANES) {
         let at = first + lane..first + lane + LANES;
@@ -245,11 +292,18 @@ fn store<S: Simd>(simd: S, nearest: &NearestTile, ids: [u32; 2], hits: &mut HitB
         let t = missed.select(f32x16::splat(simd, f32::INFINITY), chunk(simd, &nearest.t, lane));
         let u = missed.select(zero, chunk(simd, &nearest.u, lane));
         let v = missed.select(zero, chunk(simd, &nearest.v, lane));
+        let (mut geometry, mut start) = (u32x16::splat(simd, 0), u32x16::splat(simd, 0));
+        for (id, &from) in (1..).zip(starts) {
+            let from = u32x16::splat(simd, from);
+            let is_later = number.simd_ge(from);
+            geometry = is_later.select(u32x16::splat(simd, id), geometry);
+            start = is_later.select(from, start);
+        }
         t.store_slice(&mut hits.t[at.clone()]);
         u.store_slice(&mut hits.u[at.clone()]);
         v.store_slice(&mut hits.v[at.clone()]);
-        number.store_slice(&mut hits.prim_id[at.clone()]);
-        missed.select(none, u32x16::splat(simd, 0)).store_slice(&mut hits.geom_id[at.clone()]);
+        missed.select(none, number - start).store_slice(&mut hits.prim_id[at.clone()]);
+        missed.select(none, geometry).store_slice(&mut hits.geom_id[at.clone()]);
         missed.select(none, u32x16::splat(simd, leaf_id)).store_slice(&mut hits.leaf_id[at.clone()]);
         missed.select(none, u32x16::splat(simd, inst_id)).store_slice(&mut hits.inst_id[at]);
     }
@@ -261,7 +315,6 @@ mod tests {
 
     use super::*;
     use crate::direction_class::DirectionClass;
-    use crate::ray_batch::RayBatch;
 
     #[test]
     fn direction_classes_split_a_tile() {

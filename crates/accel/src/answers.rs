@@ -30,10 +30,18 @@ impl Answers<'_> {
     /// Rays from `first` on, those in `active`, have been traced.
     pub(crate) fn tile(&mut self, engine: &Engine, first: usize, active: u64, nearest: &NearestTile) {
         match self {
-            Self::Hits(target, hits) => match target.only_mesh() {
-                Some(ids) if active == u64::MAX => engine.tiles.store(nearest, ids, hits, first),
-                _ => target.write(nearest, active & engine.tiles.hit(nearest), first, hits),
-            },
+            Self::Hits(target, hits) => {
+                let hit = active & engine.tiles.hit(nearest);
+                if active == u64::MAX
+                    && let Some((ids, object)) = target.only_object()
+                    && let Some(starts) = object.few_starts()
+                    // Where few rays hit something, their ids are found sooner one by one.
+                    && starts.len() <= 4 * hit.count_ones() as usize
+                {
+                    return engine.tiles.store(nearest, (ids, starts), hits, first);
+                }
+                target.write(nearest, hit, first, hits);
+            }
             Self::Flags(flags) => each(active & engine.tiles.hit(nearest), |i| flags[first + i] = true),
         }
     }

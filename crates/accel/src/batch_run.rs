@@ -58,8 +58,12 @@ impl BatchRun<'_> {
     pub(crate) fn tiles(&self, incoherent: bool, answers: &mut Answers, counters: &mut Counters) {
         let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
         for first in (0..self.rays.len()).step_by(TILE) {
-            let count = tile.load(self.rays, first, &mut nearest);
-            let active = self.engine.tiles.sound(&tile, &nearest) & all(count);
+            let active = if self.rays.len() - first >= TILE {
+                self.engine.tiles.load(self.rays, first, &mut tile, &mut nearest)
+            } else {
+                let count = tile.load(self.rays, first, &mut nearest);
+                self.engine.tiles.sound(&tile, &nearest) & all(count)
+            };
             self.tile(&mut tile, active, incoherent, |i| first + i, &mut nearest, counters);
             answers.tile(self.engine, first, active, &nearest);
         }

@@ -32,6 +32,9 @@ use crate::engine::Engine;
 use crate::research::ResearchIndex;
 use crate::{Aabb, BadPrimitives, Hit, TreeStats};
 
+/// This number of geometries or fewer are compared with each hit, sixteen hits at a time.
+const FEW: usize = 64;
+
 /// Trees over an object's geometries.
 #[derive(Clone, Debug)]
 pub struct ObjectTree {
@@ -234,9 +237,15 @@ impl ObjectTree {
         }
     }
 
-    /// Whether triangles' numbers are their `prim_id`s.
-    pub(crate) fn has_one_mesh(&self) -> bool {
-        self.numbering.quads == [false]
+    /// The first number of each geometry but the first, where they are few and none is of quads: then a hit's ids are found in
+    /// lanes.
+    pub(crate) fn few_starts(&self) -> Option<&[u32]> {
+        match &self.numbering.starts[..] {
+            [_, starts @ .., _] if starts.len() < FEW && !self.numbering.quads.contains(&true) => {
+                Some(starts)
+            }
+            _ => None,
+        }
     }
 
     /// Ids of a hit in this object.

@@ -74,12 +74,11 @@ impl Target<'_> {
         }
     }
 
-    /// The instance and the object's number, where all hits have the same ones and their numbers are `prim_id`s of its only
-    /// mesh.
-    pub(crate) fn only_mesh(self) -> Option<[u32; 2]> {
+    /// The only object that rays meet, its instance and its number.
+    pub(crate) fn only_object(&self) -> Option<([u32; 2], &ObjectTree)> {
         match self {
-            Self::Object(object) => object.has_one_mesh().then_some([0; 2]),
-            Self::Scene(scene) => scene.only_mesh(),
+            Self::Object(object) => Some(([0; 2], object)),
+            Self::Scene(scene) => scene.only_object(),
         }
     }
 }

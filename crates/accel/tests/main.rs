@@ -5,6 +5,7 @@
 
 mod all_hits;
 mod axis_parallel;
+mod batches;
 mod brute_force;
 mod closest_point;
 mod common;

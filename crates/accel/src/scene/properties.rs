@@ -153,13 +153,12 @@ impl SceneTree {
         });
     }
 
-    /// The instance and the object's number, where all hits have the same ones and their numbers are `prim_id`s of its only
-    /// mesh.
-    pub(crate) fn only_mesh(&self) -> Option<[u32; 2]> {
+    /// As [`Target::only_object`](crate::target::Target::only_object).
+    pub(crate) fn only_object(&self) -> Option<([u32; 2], &ObjectTree)> {
         let index = self.only?;
         match &self.placed(index)?.shape {
-            Shape::Object(object) if object.has_one_mesh() => Some([index as u32, self.leaves.first(index)]),
-            Shape::Object(_) | Shape::Scene(_) => None,
+            Shape::Object(object) => Some(([index as u32, self.leaves.first(index)], object)),
+            Shape::Scene(_) => None,
         }
     }
 }
