@@ -2,6 +2,7 @@
 //! Incoherent rays of a tile: traced singly, or interleaved if they wait for memory.
 //! Source: decision 0016. Tests: `tests/brute_force.rs` of `gnurt-accel`, `interleaved::tests`.
 
+use gnurt_accel_core::Aabb;
 use gnurt_accel_core::beam::has_wide_lanes;
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::direction_class::DirectionClasses;
@@ -23,12 +24,28 @@ pub(crate) fn walk_incoherent<S: Simd>(
 ) {
     let count = TILE - traversal.active.leading_zeros() as usize;
     let prepared = &PreparedTile::new(simd, traversal.rays, count, index.greatest);
+    let bounds = &index.tree.bounds;
+    let mut active = traversal.active;
+    if !is_inside(bounds, traversal.rays.origin(active)) {
+        // Those that miss the tree's box have visited its root.
+        active &= prepared.enter(simd, traversal, count, bounds);
+        traversal.counters.nodes += u64::from((traversal.active & !active).count_ones());
+    }
+    let traversal = &mut traversal.only(active);
     let single_rays = prepared.single_rays(traversal.rays, direction_classes);
     if const { has_wide_lanes::<S>() }
         && index.waits_for_memory()
-        && traversal.rays.origins_differ(simd, traversal.active, &index.tree.bounds)
+        && traversal.rays.origins_differ(simd, traversal.active, bounds)
     {
         return Interleaved { simd, index, single_rays, direction_classes }.run(traversal);
     }
     single_rays.walk(simd, index, Child::node(0), traversal);
+}
+
+/// Whether a point is in a box.
+#[inline(always)]
+fn is_inside(bounds: &Aabb, [x, y, z]: [f32; 3]) -> bool {
+    let ([low_x, low_y, low_z], [high_x, high_y, high_z]) = (bounds.min, bounds.max);
+    let along_x = low_x <= x && x <= high_x;
+    along_x && low_y <= y && y <= high_y && low_z <= z && z <= high_z
 }

@@ -4,10 +4,12 @@
 
 use gnurt_simd::{Simd, f32x16, prelude::*};
 
+use gnurt_accel_core::Aabb;
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::slab::Slabs;
 use gnurt_accel_core::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
+use gnurt_accel_core::traversal::TileTraversal;
 
 use crate::node::Node8;
 use crate::node_ray::NodeRay;
@@ -138,6 +140,28 @@ impl TilePlanes {
             bits |= (enter.simd_le(leave) & is_here).to_bitmask();
         }
         bits
+    }
+
+    /// Which of the rays from `at` on, whatever their directions, meet a box before their ends.
+    #[inline(always)]
+    pub(crate) fn meet_box<S: Simd>(
+        &self,
+        simd: S,
+        traversal: &TileTraversal,
+        bounds: &Aabb,
+        at: usize,
+    ) -> u64 {
+        let mut enter = chunk(simd, &traversal.rays.t_near, at);
+        let mut leave = chunk(simd, &traversal.nearest.t, at);
+        for k in 0..3 {
+            let inv = chunk(simd, &self.inv[k], at);
+            let (low, high) = (f32x16::splat(simd, bounds.min[k]), f32x16::splat(simd, bounds.max[k]));
+            let backwards = inv.is_sign_negative();
+            let (near, far) = (backwards.select(high, low), backwards.select(low, high));
+            enter = enter.max(near.mul_sub(inv, chunk(simd, &self.near[k], at)));
+            leave = leave.min(far.mul_sub(inv, chunk(simd, &self.far[k], at)));
+        }
+        enter.simd_le(leave).to_bitmask()
     }
 
     /// Ray `i` by itself, whose nearer planes are in `rows`.

@@ -4,6 +4,7 @@
 //! Source: the arithmetic of [`NodeRay::new`] and [`BlockRay::new`] in lanes, with the same bits.
 //! Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
+use gnurt_accel_core::Aabb;
 use gnurt_accel_core::bits::{TILE, each};
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
 use gnurt_accel_core::collect::{Best, BestOf, Collect};
@@ -213,6 +214,23 @@ impl PreparedTile {
             org[k].store_slice(&mut self.sheared.org[k][at..at + LANES]);
             shear[k].store_slice(&mut self.sheared.shear[k][at..at + LANES]);
         }
+    }
+
+    /// Bits of the first `count` rays that meet a box, which has no greater coordinates than the tree. The others meet nothing
+    /// inside of it: its planes are rounded as those of its parts are.
+    #[inline(always)]
+    pub(super) fn enter<S: Simd>(
+        &self,
+        simd: S,
+        traversal: &TileTraversal,
+        count: usize,
+        bounds: &Aabb,
+    ) -> u64 {
+        let mut bits = 0;
+        for at in (0..count).step_by(LANES) {
+            bits |= self.planes.meet_box(simd, traversal, bounds, at) << at;
+        }
+        bits
     }
 
     /// The rays, of these direction classes, one by one.
