@@ -5,7 +5,7 @@
 //! `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
-use gnurt_accel_core::float::{FLATTEST, most};
+use gnurt_accel_core::float::{FLATTEST, least, most};
 use gnurt_accel_core::slab::{SLACK, Slabs};
 use gnurt_simd::{Simd, f32x4, f32x8, i32x4, prelude::*};
 
@@ -69,6 +69,12 @@ fn longest<S: Simd>(lanes: f32x4<S>) -> f32 {
     most(most(lanes[0], lanes[1]), lanes[2])
 }
 
+/// The least of them.
+#[inline(always)]
+fn shortest<S: Simd>(lanes: f32x4<S>) -> f32 {
+    least(least(lanes[0], lanes[1]), lanes[2])
+}
+
 impl<S: Simd> NodeRay<S> {
     /// For a tree, not empty, whose greatest coordinate is `greatest`; `ray` is valid and regular.
     #[inline(always)]
@@ -81,8 +87,12 @@ impl<S: Simd> NodeRay<S> {
     pub(crate) fn of_lanes(simd: S, ray: &RayLanes<S>, greatest: f32) -> Self {
         let splat = |x: f32| f32x4::splat(simd, x);
         let RayLanes { org, dir, away, size } = *ray;
-        let flattest = splat(longest(size) * FLATTEST);
-        let inv = splat(1.0) / size.max(flattest).copysign(dir);
+        // Almost no direction is flat, which the CPU foresees: so the division waits for no comparison.
+        let mut inv = splat(1.0) / dir;
+        let flattest = longest(size) * FLATTEST;
+        if shortest(size) < flattest {
+            inv = splat(1.0) / size.max(splat(flattest)).copysign(dir);
+        }
         let slack = splat(SLACK * (2.0 * greatest + longest(away)));
         let (met, pad) = (org * inv, slack * inv.abs());
         // Negated in four lanes instead of twice eight: `mul_sub` negates them again.
