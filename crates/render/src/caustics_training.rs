@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Searches for caustics of a picture: its smooth surfaces and lamps, and a pilot that tells where searches are worth their rays: a few
-//! samples of the whole picture at a reduced size, by paths, under another seed. The pilot is discarded.
+//! samples of the whole picture at a reduced size, by paths, under another seed. The pilot is discarded. By `auto`
+//! pictures whose searches would spare next to no variance make none.
 //! Invariant: the chances depend on world, camera and options, neither on threads, crops, pieces nor numbers of samples.
 //! Memory: a search of each vertex of the pilot's paths at most, 20 bytes each. Tests: crates/render/tests/caustics.rs.
 
@@ -12,11 +13,11 @@ use gnurt_shading::CameraShader;
 
 use crate::film::TileFilm;
 use crate::job::Job;
-use crate::options::{Guiding, Integrator, RenderOptions};
+use crate::options::{Caustics as Wanted, Guiding, Integrator, RenderOptions};
 use crate::progress::Watch;
 use crate::sampler::Sampler;
 use crate::stats::RenderStats;
-use crate::transport::manifold::{self, Caustics, Places};
+use crate::transport::manifold::{self, Caustics, Places, Searched};
 use crate::world::World;
 
 /// The seed of the pilot differs in these bits.
@@ -24,7 +25,11 @@ const PILOT: u64 = 0x5851_f42d_4c95_7f2d;
 /// Its paths, about.
 const PATHS: u32 = 80_000;
 /// Samples of its pixels, at most.
-const MOST_SAMPLES: u32 = 64;
+const MOST_SAMPLES: u32 = 256;
+/// `auto`: the variance of a sample over the picture's squared mean that searches have to spare.
+const PAYS: f64 = 0.1;
+/// It ends after one in so many samples where they spare less.
+const FIRST: u32 = 4;
 
 /// Smooth surfaces and lamps with chances, and the rays of the pilot.
 #[derive(Clone, Debug, Default)]
@@ -47,33 +52,62 @@ pub(crate) fn learn(
     let options = pilot_options(options);
     let mut job = Job::new(world, camera, &options, watch);
     job.deadline = deadline;
-    let sampler = Sampler { job: &job, pass: None };
-    let mut tiles = TileFilm::cover([0, 0, options.width, options.height], &options);
-    let pieces = Pieces::new(&mut tiles, 1);
-    let render = |_: &mut (), n: usize| {
-        let mut tracer = sampler.tracer();
-        (tracer.caustics, tracer.searched) = (Some(&caustics), Some(Vec::new()));
-        let tile = &mut pieces.lock(n)[0];
-        while tile.samples < options.spp && !job.should_stop() {
-            sampler.render_samples(tile, &mut tracer, options.spp);
-        }
-        (brightness(tile), tracer.searched.take().unwrap_or_default(), tracer.take_stats())
-    };
-    let of_tiles = pool.install(|| threads::map_with(true, pieces.count(), || (), render));
-    if job.should_stop() {
-        return None;
-    }
-    let (mut sum, mut searches, mut cost) = (0.0, Vec::new(), RenderStats::default());
-    for (of_tile, searched, stats) in of_tiles {
-        sum += of_tile;
-        searches.extend(searched);
-        cost.add(&stats);
-    }
+    let mut tiles: Vec<Tile> = TileFilm::cover([0, 0, options.width, options.height], &options)
+        .into_iter()
+        .map(|film| Tile { film, searches: Vec::new() })
+        .collect();
     let pixels = f64::from(options.width) * f64::from(options.height);
-    let places = Places::new(&searches, (sum / pixels) as f32);
+    let (mut cost, mut places) = (RenderStats::default(), None);
+    for last in [options.spp.div_ceil(FIRST), options.spp] {
+        let pieces = Pieces::new(&mut tiles, 1);
+        let render = |_: &mut (), n: usize| pieces.lock(n)[0].render(&job, &caustics, last);
+        let of_tiles = pool.install(|| threads::map_with(true, pieces.count(), || (), render));
+        if job.should_stop() {
+            return None;
+        }
+        of_tiles.iter().for_each(|stats| cost.add(stats));
+        let searches: Vec<Searched> = tiles.iter().flat_map(|tile| &tile.searches).copied().collect();
+        let brightness = tiles.iter().map(Tile::brightness).sum::<f64>() / pixels;
+        let spared = searches.iter().map(|search| f64::from(search.spared)).sum::<f64>();
+        let least = PAYS * brightness * brightness * pixels * f64::from(last);
+        let is_kept = spared > least || options.caustics == Wanted::On;
+        places = is_kept.then(|| Places::new(&searches, brightness as f32));
+        if places.is_none() {
+            break;
+        }
+    }
+    let caustics = places.map(|places| Arc::new(caustics.with_places(Some(places))));
     // Its rays were traced; its samples are not in the picture.
-    let cost = RenderStats { samples: 0, bad_samples: 0, ..cost };
-    Some(Learned { caustics: Some(Arc::new(caustics.with_places(Some(places)))), cost })
+    Some(Learned { caustics, cost: RenderStats { samples: 0, bad_samples: 0, ..cost } })
+}
+
+/// A part of the pilot.
+struct Tile {
+    film: TileFilm,
+    searches: Vec<Searched>,
+}
+
+impl Tile {
+    /// Takes samples up to `last`.
+    fn render(&mut self, job: &Job, caustics: &Caustics, last: u32) -> RenderStats {
+        let sampler = Sampler { job, pass: None };
+        let mut tracer = sampler.tracer();
+        (tracer.caustics, tracer.searched) = (Some(caustics), Some(std::mem::take(&mut self.searches)));
+        while self.film.samples < last && !job.should_stop() {
+            sampler.render_samples(&mut self.film, &mut tracer, last);
+        }
+        self.searches = tracer.searched.take().unwrap_or_default();
+        tracer.take_stats()
+    }
+
+    /// Sum of the brightest channel of all pixels.
+    fn brightness(&self) -> f64 {
+        let of_pixel = |i| {
+            let [r, g, b, _] = self.film.mean(i);
+            f64::from(r.max(g).max(b))
+        };
+        (0..self.film.first.len()).map(of_pixel).sum()
+    }
 }
 
 /// Without a pilot.
@@ -90,13 +124,4 @@ fn pilot_options(options: &RenderOptions) -> RenderOptions {
         spp: (PATHS / pixels).clamp(1, MOST_SAMPLES),
         ..of_pilot
     }
-}
-
-/// Sum of the brightest channel of all pixels.
-fn brightness(tile: &TileFilm) -> f64 {
-    let of_pixel = |i| {
-        let [r, g, b, _] = tile.mean(i);
-        f64::from(r.max(g).max(b))
-    };
-    (0..tile.first.len()).map(of_pixel).sum()
 }

@@ -19,6 +19,8 @@ pub(crate) struct Searched {
     pub(crate) p: Vec3,
     pub(crate) class: u8,
     pub(crate) light: f32,
+    /// The variance of its pixel that it spares, over that by scattered rays alone; infinite if these find nothing.
+    pub(crate) spared: f32,
 }
 
 /// What is known of places.
@@ -56,7 +58,7 @@ mod tests {
     use super::*;
 
     fn searched(x: f32, y: f32, light: f32) -> Searched {
-        Searched { p: Vec3::new(x, y, 0.0), class: class_of(Vec3::Z), light }
+        Searched { p: Vec3::new(x, y, 0.0), class: class_of(Vec3::Z), light, spared: 0.0 }
     }
 
     #[test]

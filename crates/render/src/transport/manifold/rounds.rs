@@ -63,9 +63,12 @@ pub(crate) fn search(
         }
         if let Some(searched) = &mut tracer.searched {
             let Rough { point, throughput, chance, .. } = &search.rough;
-            let light = light.max_element() * chance / throughput.max_element();
+            let throughput = throughput.max_element();
+            let light = light.max_element() * chance / throughput;
+            let by_chance = search.found.as_ref().map_or(0.0, |found| found.by_chance * search.count());
+            let spared = by_chance * throughput * throughput / chance;
             if light.is_finite() {
-                searched.push(Searched { p: point.p, class: class_of(point.ng), light });
+                searched.push(Searched { p: point.p, class: class_of(point.ng), light, spared });
             }
         }
     }

@@ -59,6 +59,8 @@ pub(crate) struct Rough {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
     pub(super) light: Vec3,
+    /// The second moment of that light by scattered rays alone, for a path of throughput 1.
+    pub(super) by_chance: f32,
     pub(super) turns: Turns,
     pub(super) materials: [u32; MOST],
     /// Unit, where the chain begins.
@@ -261,19 +263,25 @@ impl Search {
         let lamp = around.world.light_set().intensity(&self.lamp, trace.heading, miss.dist);
         let (value, density) = rough.bsdf.eval_pdf(rough.wo, trace.dir);
         let spread = area_of(&trace.change, trace.heading, miss.dist).recip();
-        let mut weight = spread / (rough.chance * probability);
+        let (mut weight, mut of_chance) = (spread / (rough.chance * probability), f32::INFINITY);
         if let Some(area) = around.world.light_set().area_across(self.lamp.light, trace.heading) {
             // Scattered rays find it, too.
-            weight *= chain::weight(rough.rays * density / rough.chance, probability / (area * spread));
+            let scattered = rough.rays * density;
+            let searched = probability / (area * spread);
+            of_chance = (weight * rough.chance).powi(2) * searched / scattered;
+            weight *= chain::weight(scattered / rough.chance, searched);
         }
         let left = left_after(miss.dist, [last.absorption, Vec3::ZERO]);
-        let light = rough.throughput * value * trace.light * lamp * left * weight;
+        let scattered = value * trace.light * lamp * left;
+        let light = rough.throughput * scattered * weight;
+        let by_chance = scattered.max_element().powi(2) * of_chance;
         if light == Vec3::ZERO || !light.is_finite() {
             return None;
         }
         let ray = last.point.shadow_ray(trace.heading, miss.dist, last.transmitted)?;
         Some(Found {
             light,
+            by_chance,
             turns: trace.turns,
             materials: trace.materials,
             dir: trace.dir,
