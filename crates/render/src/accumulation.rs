@@ -359,9 +359,10 @@ impl Accumulation {
                 }
                 let mut job = pass_setup.job(world, self.stats.samples);
                 // Lamps are elsewhere.
-                let places = shared.caustics.as_ref().and_then(|caustics| caustics.places());
-                job.caustics = caustics_training::find(&job)
-                    .map(|caustics| Arc::new(caustics.with_places(places.cloned())));
+                job.caustics = shared.caustics.as_ref().and_then(|at_rest| {
+                    let found = caustics_training::find(&job)?;
+                    Some(Arc::new(found.with_places(at_rest.places().cloned())))
+                });
                 job
             });
             let job = own.as_ref().unwrap_or(&shared);
