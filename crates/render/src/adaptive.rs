@@ -46,7 +46,7 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
         taken *= 4;
     };
     // Its rays were traced; its samples are not in the picture.
-    stats.add(&RenderStats { samples: 0, bad_samples: 0, ..tracer.take_stats() });
+    stats.add(&tracer.take_stats().without_samples());
     needed
 }
 

@@ -3,7 +3,7 @@
 //! samples of the whole picture at a reduced size, by paths, under another seed. The pilot is discarded. By `auto`
 //! pictures whose searches would spare next to no variance make none.
 //! Invariant: the chances depend on world, camera and options, neither on threads, crops, pieces nor numbers of samples.
-//! Memory: a search of each vertex of the pilot's paths at most, 20 bytes each. Tests: crates/render/tests/caustics.rs.
+//! Memory: a search of each vertex of the pilot's paths at most, 24 bytes each. Tests: crates/render/tests/caustics.rs.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -57,7 +57,7 @@ pub(crate) fn learn(
         .map(|film| Tile { film, searches: Vec::new() })
         .collect();
     let pixels = f64::from(options.width) * f64::from(options.height);
-    let (mut cost, mut places) = (RenderStats::default(), None);
+    let mut cost = RenderStats::default();
     for last in [options.spp.div_ceil(FIRST), options.spp] {
         let pieces = Pieces::new(&mut tiles, 1);
         let render = |_: &mut (), n: usize| pieces.lock(n)[0].render(&job, &caustics, last);
@@ -66,19 +66,19 @@ pub(crate) fn learn(
             return None;
         }
         of_tiles.iter().for_each(|stats| cost.add(stats));
-        let searches: Vec<Searched> = tiles.iter().flat_map(|tile| &tile.searches).copied().collect();
-        let brightness = tiles.iter().map(Tile::brightness).sum::<f64>() / pixels;
-        let spared = searches.iter().map(|search| f64::from(search.spared)).sum::<f64>();
+        let brightness = brightness(&tiles, pixels);
+        let spared: f64 =
+            tiles.iter().flat_map(|tile| &tile.searches).map(|search| f64::from(search.spared)).sum();
         let least = PAYS * brightness * brightness * pixels * f64::from(last);
-        let is_kept = spared > least || options.caustics == Wanted::On;
-        places = is_kept.then(|| Places::new(&searches, brightness as f32));
-        if places.is_none() {
-            break;
+        let pays = spared > least;
+        if !pays && options.caustics != Wanted::On {
+            return Some(Learned { caustics: None, cost: cost.without_samples() });
         }
     }
-    let caustics = places.map(|places| Arc::new(caustics.with_places(Some(places))));
-    // Its rays were traced; its samples are not in the picture.
-    Some(Learned { caustics, cost: RenderStats { samples: 0, bad_samples: 0, ..cost } })
+    let brightness = brightness(&tiles, pixels) as f32;
+    let searches: Vec<Searched> = tiles.into_iter().flat_map(|tile| tile.searches).collect();
+    let caustics = caustics.with_places(Some(Places::new(&searches, brightness)));
+    Some(Learned { caustics: Some(Arc::new(caustics)), cost: cost.without_samples() })
 }
 
 /// A part of the pilot.
@@ -108,6 +108,11 @@ impl Tile {
         };
         (0..self.film.first.len()).map(of_pixel).sum()
     }
+}
+
+/// The mean brightness of all pixels.
+fn brightness(tiles: &[Tile], pixels: f64) -> f64 {
+    tiles.iter().map(Tile::brightness).sum::<f64>() / pixels
 }
 
 /// Without a pilot.

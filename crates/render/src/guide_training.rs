@@ -95,9 +95,7 @@ pub(crate) fn train(
         bytes: guide.bytes(),
         seconds: begin.elapsed().as_secs_f64(),
     };
-    // Its rays were traced; its samples are not in the picture.
-    let cost = RenderStats { samples: 0, bad_samples: 0, ..cost };
-    Some(Trained { guide: is_on.then_some(guide), stats, cost })
+    Some(Trained { guide: is_on.then_some(guide), stats, cost: cost.without_samples() })
 }
 
 /// The parts of the pilot: larger than tiles of pictures, since rounds take few samples.

@@ -113,9 +113,7 @@ pub(crate) fn choose(
         }
     }
     stats.seconds = begin.elapsed().as_secs_f64();
-    // Its rays were traced; its samples are not in the picture.
-    let cost = RenderStats { samples: 0, bad_samples: 0, ..cost };
-    Some(Chosen { stats, cost })
+    Some(Chosen { stats, cost: cost.without_samples() })
 }
 
 /// As many virtual lights as make the mean known, and a sample with these: the error of the mean falls with the root of their

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parts of space with about as many points of surfaces each, apart by the orientation of the surface: trees for maps that pilots learn.
+//! Trees over points of surfaces, one for each orientation, whose cells have about as many points each: for maps that pilots learn.
 //! Source: [MGN17], section 3.1. Differs: divided at the median of the longest side, which needs no refinement.
 //! Space: world. Invariant: a tree depends on its points only. Tests: crates/render/tests/{guide,caustics}.rs.
 

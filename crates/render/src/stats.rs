@@ -141,6 +141,11 @@ impl RenderStats {
         self.camera_rays + self.shadow_rays + self.secondary_rays
     }
 
+    /// The rays alone: samples of pilots are not in the picture.
+    pub(crate) fn without_samples(self) -> Self {
+        Self { samples: 0, bad_samples: 0, ..self }
+    }
+
     /// Whether they can be added to: no computer comes to larger numbers, but a file may hold them.
     pub(crate) fn are_sound(&self) -> bool {
         let rays = [self.camera_rays, self.shadow_rays, self.secondary_rays];

@@ -19,7 +19,7 @@ const LAMP: [f32; 3] = [-1.05, -0.65, 2.8];
 /// Directions along an edge of a triangle: more find no more ways.
 const DENSITY: usize = 2;
 const POINTS: u32 = 48;
-const SAMPLES: u32 = 1024;
+const SAMPLES: u32 = 1536;
 
 /// A mesh of a few thousand triangles, whose facets part the focus, and points in it and to a fifth of the ball's width beside it.
 #[test]
@@ -61,6 +61,6 @@ fn searches_sum_all_ways_of_light() {
     let mean = ratios.iter().sum::<f64>() / n;
     let error = (ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
     assert!(most_ways > 2, "{most_ways}: no focus");
-    assert!(error < 0.0225, "enough samples to tell: {error}");
+    assert!(error < 0.02, "enough samples to tell: {error}");
     assert!((mean - 1.0).abs() < 3.0 * error, "{mean} of the sum, standard error {error}");
 }

@@ -410,7 +410,7 @@ fn arrive(
     for (i, (walk, vertex)) in carried.iter().zip(vertices).enumerate() {
         let lane = walk.lane as usize;
         let walk = &walk.absorbed(vertex.as_ref());
-        let Some(vertex) = vertex else {
+        let Some(mut vertex) = vertex else {
             let dir = Vec3::from(rays.get(i).dir);
             let is_backdrop = walk.edges == 1 && tracer.world.lights().backdrop.is_some();
             let radiance_there = match is_backdrop {
@@ -429,7 +429,7 @@ fn arrive(
             continue;
         }
         let Vertex { light_gain, ids: [instance, ..], t: distance, cone, .. } = vertex;
-        let smooth = vertex.smooth.clone();
+        let smooth = vertex.smooth.take();
         let eye = EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane);
         let (rays, probability) = if walk.is_directly_visible { rays_from(pass, &eye) } else { (1, 1.0) };
         let stop = Stop { walk: *walk, eye, light_gain, rays, probability, instance, distance, cone, smooth };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Searches of paths at all points of one shader.
-//! Searches of paths that were scattered before are made by chance, and count more: their noise is seen less.
+//! Some are made by chance, and count more (`Chain::chance`).
 //! Space: world. Tests: crates/render/tests/caustics.rs.
 
 use glam::Vec3;

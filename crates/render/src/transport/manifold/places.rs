@@ -2,7 +2,7 @@
 //! Where searches are worth their rays: the light that those of a pilot found, by parts of space.
 //! Far from caustics a search is a waste, so that few are made there, which count more.
 //! Source: as [`SpaceTree`]; the chance is that of Russian roulette by expected light. Space: world.
-//! Invariant: chances change noise, not the mean. Tests: crates/render/tests/caustics.rs.
+//! Invariant: chances change noise, not the mean. Tests: `tests`, crates/render/tests/caustics.rs.
 
 use glam::Vec3;
 
@@ -23,7 +23,7 @@ pub(crate) struct Searched {
     pub(crate) spared: f32,
 }
 
-/// What is known of places.
+/// The chances of searches, place by place.
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
     tree: SpaceTree,
