@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Trees over points of surfaces, one for each orientation, whose cells have about as many points each: for maps that pilots learn.
+//! Trees over points of surfaces, one for each orientation, and of media, whose cells have about as many points each: for maps that
+//! pilots learn.
 //! Source: [MGN17], section 3.1. Differs: divided at the median of the longest side, which needs no refinement.
 //! Space: world. Invariant: a tree depends on its points only. Tests: crates/render/tests/{guide,caustics}.rs.
 
 use glam::Vec3;
 
 /// Surfaces are told apart by the axis that is nearest to their normal, and its sign.
-const CLASSES: usize = 6;
+const CLASSES: usize = 7;
+/// The class of points in media.
+pub(crate) const IN_MEDIUM: u8 = 6;
 
 /// A node over space: children are adjacent, or it is a cell.
 #[derive(Clone, Copy, Debug)]

@@ -6,6 +6,7 @@ use crate::common::{self, *};
 use gnurt_image::Picture;
 use gnurt_render::{Accumulation, Guiding, Integrator, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::material::Color;
+use gnurt_scene::medium::{Extent, Medium, Phase};
 use gnurt_scene::{Material, MaterialId, Scene, Surface};
 
 fn path(width: u32, height: u32, spp: u32, guiding: Guiding) -> RenderOptions {
@@ -33,6 +34,14 @@ fn room_below_glass() -> (World, SceneCamera) {
     room(0.0)
 }
 
+fn glass() -> Material {
+    let [reflectance, transmittance] = [[1.0; 3]; 2];
+    Material::of(
+        "",
+        Surface::Dielectric { ior: 1.5, reflectance, transmittance, interior: Default::default() },
+    )
+}
+
 /// The same with a panel on a wall that light samples find.
 fn room(panel: f32) -> (World, SceneCamera) {
     let mut scene = Scene::new();
@@ -44,15 +53,7 @@ fn room(panel: f32) -> (World, SceneCamera) {
         let panel = emitter(&mut scene, [panel; 3]);
         put_mesh(&mut scene, quad([-2.9, 1.9, 0.05], [5.8, 0.0, 0.0], [0.0, 0.0, 2.8], panel));
     }
-    let glass = scene.add_material(Material::of(
-        "",
-        Surface::Dielectric {
-            ior: 1.5,
-            reflectance: [1.0; 3],
-            transmittance: [1.0; 3],
-            interior: Default::default(),
-        },
-    ));
+    let glass = scene.add_material(glass());
     put_mesh(&mut scene, quad([-3.0, -2.0, 2.9], [0.0, 4.0, 0.0], [6.0, 0.0, 0.0], glass));
     let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
     let coat = Surface::MetallicRoughness {
@@ -109,6 +110,66 @@ fn lamps_that_light_samples_find_count_once() {
     let error = off_error.hypot(on_error);
     assert!(error < 0.002 * off, "enough samples to tell: {off} within {error}");
     assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+}
+
+/// A ball of fog that scatters forward a little, alone.
+fn fog(scattering: f32) -> Scene {
+    let mut scene = Scene::new();
+    scene.add_medium(Medium {
+        scattering: [scattering; 3],
+        phase: Phase { anisotropy: 0.4, second_anisotropy: -0.2, second_share: 0.2 },
+        extent: Extent::Around { centre: [0.0; 3], radius: 1.0 },
+        ..Medium::default()
+    });
+    scene
+}
+
+/// A ball of fog below a lamp behind glass, which light samples do not find, and below a sky of this radiance, which they find.
+fn fog_below_lamp(sky: f32) -> (World, SceneCamera) {
+    let mut scene = fog(0.5);
+    let lamp = emitter(&mut scene, [40.0, 36.0, 30.0]);
+    put_mesh(&mut scene, quad([-0.5, -0.5, 2.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp));
+    let glass = scene.add_material(glass());
+    put_mesh(&mut scene, quad([-0.6, -0.6, 1.9], [0.0, 1.2, 0.0], [1.2, 0.0, 0.0], glass));
+    if sky > 0.0 {
+        scene.add_light(environment([sky; 3]));
+    }
+    (world_of(&scene, false), camera([0.0, -4.0, 0.0], [0.0; 3], 25.0))
+}
+
+/// Vertices in media learn where light is, as those of surfaces do.
+#[test]
+fn fog_keeps_its_mean_and_its_noise_falls() {
+    let of = fog_below_lamp(0.0);
+    let [off, off_error, off_variance] = statistics(&of, &path(32, 32, 64, Guiding::Off), 8);
+    let [on, on_error, on_variance] = statistics(&of, &path(32, 32, 64, Guiding::On), 8);
+    let error = off_error.hypot(on_error);
+    assert!(error < 0.03 * off, "enough samples to tell: {off} within {error}");
+    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+    assert!(on_variance < 0.5 * off_variance, "variance {on_variance}, without a guide {off_variance}");
+}
+
+/// Light samples in fog are weighed by the density of the mixture, too.
+#[test]
+fn skies_around_fog_count_once() {
+    let of = fog_below_lamp(2.0);
+    let [off, off_error, _] = statistics(&of, &path(32, 32, 64, Guiding::Off), 8);
+    let [on, on_error, _] = statistics(&of, &path(32, 32, 64, Guiding::On), 8);
+    let error = off_error.hypot(on_error);
+    assert!(error < 0.01 * off, "enough samples to tell: {off} within {error}");
+    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+}
+
+#[test]
+fn fog_in_furnaces_stays_white() {
+    let mut scene = fog(3.0);
+    scene.add_light(environment([1.0; 3]));
+    let (world, view) = (world_of(&scene, false), camera([0.0, -2.5, 0.3], [0.0; 3], 40.0));
+    let options = RenderOptions { max_depth: 1000, ..path(24, 24, 64, Guiding::On) };
+    let frame = render(&world, &view, &options, &pool(2), &Silent).expect("sound options");
+    assert_close(mean(&frame.picture)[0], 1.0, 3e-3, "all light is scattered on");
+    let guide = frame.stats.guide.expect("it was asked for");
+    assert!(guide.is_on && guide.cells > 0, "something was learned: {guide}");
 }
 
 #[test]

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Directions by the map or by lobes: one sample of both, at as many points at a time as the CPU's registers hold.
+//! Directions by the map or by lobes or phase functions: one sample of both, at as many points at a time as the CPU's registers hold.
 //! Source: [VG95] (one-sample model), [MGN17] section 3.3.
 //! Space: world. Invariant: [`Mixture::pdf`] is the density with which [`Mixture::sample`] chooses; deltas are chosen by lobes
 //! alone. Tests: crates/render/tests/{guide,lanes}.rs.
 
+use glam::Vec3;
 use gnurt_shading::bsdf::{Prepared, Sampled};
 use gnurt_shading::lanes::{LANES, LanesOf};
+use gnurt_shading::phase::Phase;
 use gnurt_shading::real::{Real, Vector};
 
 use super::space::Guide;
-use crate::space_tree::class_of;
+use crate::space_tree::{IN_MEDIUM, class_of};
 
 /// The guide at some points.
 pub(crate) struct Mixture<'a, R: Real> {
@@ -31,11 +33,35 @@ impl<'a, R: Real> Mixture<'a, R> {
         prepared: &Prepared<R>,
     ) -> Self {
         let guidable = prepared.guidable();
+        Self::of_cells(
+            guide,
+            there,
+            guidable,
+            #[inline(always)]
+            |i| (p.get(i), class_of(ns.get(i))),
+        )
+    }
+
+    /// That of points in media at `p`, for those in the mask.
+    #[inline(always)]
+    pub(crate) fn in_media(guide: &'a Guide, there: R::Mask, p: Vector<R>) -> Self {
+        Self::of_cells(
+            guide,
+            there,
+            p.x.all(1.0),
+            #[inline(always)]
+            |i| (p.get(i), IN_MEDIUM),
+        )
+    }
+
+    #[inline(always)]
+    fn of_cells(guide: &'a Guide, there: R::Mask, guidable: R, point: impl Fn(usize) -> (Vec3, u8)) -> Self {
         let zero = guidable.all(0.0);
         let mut roots = [u32::MAX; LANES];
         let mut shares = [0.0; LANES];
         for i in LanesOf(R::bits(there & guidable.above(zero))) {
-            if let Some(cell) = guide.cell(p.get(i), class_of(ns.get(i))) {
+            let (p, class) = point(i);
+            if let Some(cell) = guide.cell(p, class) {
                 (roots[i], shares[i]) = (cell.root, cell.share);
             }
         }
@@ -94,5 +120,40 @@ impl<'a, R: Real> Mixture<'a, R> {
         let weight = Vector::pick(is & chosen.delta, weight.over(self.share.rest()), weight);
         chosen.found = chosen.found & (pdf.above(zero) | chosen.delta) & weight.is_finite();
         (Sampled { weight, pdf, ..chosen }, of_lobes)
+    }
+
+    /// Chooses where light that travels along the unit direction `along` goes on in media; numbers as for [`Phase::sample`]. Returns
+    /// the direction, its density, and that by the phase function alone, which is its value.
+    #[inline(always)]
+    pub(crate) fn sample_phase(
+        &self,
+        phase: &Phase<R>,
+        along: Vector<R>,
+        [choice, x, y]: [R; 3],
+    ) -> (Vector<R>, R, R) {
+        let zero = choice.all(0.0);
+        let (by_guide, is) = (self.share.above(choice), self.share.above(zero));
+        let rest = ((choice - self.share) / self.share.rest()).within(0.0, 0.999_999_9);
+        let (mut dir, mut value) = phase.sample(along, [R::pick(is, rest, choice), x, y]);
+        if R::any(by_guide) {
+            let [dx, dy, dz] = choice.each_where(
+                by_guide,
+                #[inline(always)]
+                |i| self.guide.sample(self.roots[i], [x.lane(i), y.lane(i)]).into(),
+            );
+            dir = Vector::pick(by_guide, Vector::new(dx, dy, dz), dir);
+            value = R::pick(by_guide, phase.value(along.dot(dir)), value);
+        }
+        (dir, self.pdf(is, dir, value), value)
+    }
+
+    /// How much more often than by lobes alone a direction of these densities is chosen, times that of the paths before: what roulette
+    /// spares paths by.
+    #[inline(always)]
+    pub(crate) fn spared(before: R, [pdf, of_lobes]: [R; 2], known: R::Mask) -> R {
+        let one = before.all(1.0);
+        let known = known & of_lobes.above(before.all(0.0));
+        let ratio = R::pick(known, pdf / R::pick(known, of_lobes, one), one);
+        (before * ratio).within(0.01, 1e4)
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Vertex {
     pub(crate) throughput: f32,
     /// The light at the eye that came from the direction.
     pub(crate) light: f32,
-    /// The orientation of the surface.
+    /// The orientation of the surface, or that it is in a medium.
     pub(crate) class: u8,
     /// The trail that led here.
     pub(crate) before: u32,

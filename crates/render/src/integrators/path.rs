@@ -99,8 +99,8 @@ fn fly(
     wavefront: &mut Wavefront,
     radiance: &mut Vec3s,
 ) {
-    let Wavefront { paths, in_media, near_lamps, ledger, .. } = wavefront;
-    let light = (radiance, ledger.as_mut());
+    let Wavefront { paths, in_media, near_lamps, ledger, recorder, .. } = wavefront;
+    let light = (radiance, ledger.as_mut(), recorder.as_mut());
     media::fly((tracer.world, tracer.options), (rays, keys), paths, hits, [in_media, near_lamps], light);
 }
 
@@ -123,11 +123,12 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     surfaces(tracer, from, wavefront, radiance);
     leave(tracer, from, wavefront, radiance);
     if !tracer.world.media().is_empty() {
-        let Wavefront { paths, next, unshadowed, in_media, near_lamps, ledger, linked, .. } = &mut *wavefront;
-        let (ledger, linked) = (ledger.as_mut(), linked.as_mut());
-        let (recorder, seen, held) = (None, None, None);
+        let Wavefront { paths, next, unshadowed, in_media, near_lamps, ledger, linked, recorder, .. } =
+            &mut *wavefront;
+        let (ledger, linked, recorder) = (ledger.as_mut(), linked.as_mut(), recorder.as_mut());
+        let (seen, held) = (None, None);
         let mut onward = Onward { next, unshadowed, radiance, ledger, linked, recorder, seen, held };
-        let (of, from) = ((tracer.world, options), (&*paths, from.keys));
+        let (of, from) = ((tracer.world, options, tracer.guide), (&*paths, from.keys));
         for vertices in [(&*in_media, true), (&*near_lamps, false)] {
             dispatch_wide!(
                 options.level,

@@ -25,7 +25,9 @@ use super::step::Onward;
 use super::width::{LightRequests, Width, for_each_light_sample};
 use super::{add, roulette};
 use crate::expressions::{Ledger, Scatter};
+use crate::guide::{self, Guide, Mixture, Recorder};
 use crate::options::RenderOptions;
+use crate::space_tree::IN_MEDIUM;
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::world::{HitLanes, Inside, Media, World};
 
@@ -33,6 +35,8 @@ use crate::world::{HitLanes, Inside, Media, World};
 const ERROR_SCALE: f32 = 4.0 * f32::EPSILON;
 /// How fast the cones of scattered rays widen.
 const SPREAD: f32 = 0.3;
+/// Vertices of more edges teach a guide nothing: in thick bodies they would take all its room.
+const DEEPEST_LESSON: u32 = 16;
 /// Surfaces between a camera and the outside that are counted.
 const MOST_BODIES: u32 = 64;
 
@@ -115,7 +119,7 @@ pub(crate) fn fly(
     paths: &mut Paths,
     hits: &mut HitBatch,
     [vertices, lamps]: [&mut MediumVertices; 2],
-    (radiance, mut ledger): (&mut Vec3s, Option<&mut Ledger>),
+    (radiance, mut ledger, mut recorder): (&mut Vec3s, Option<&mut Ledger>, Option<&mut Recorder>),
 ) {
     vertices.clear();
     lamps.clear();
@@ -141,6 +145,9 @@ pub(crate) fn fly(
         let flight = parts.fly(length, path.throughput, &mut random);
         if flight.emitted != Vec3::ZERO {
             let light = add(radiance, path.lane, flight.emitted, path.edges, options.clamp);
+            if let Some(recorder) = &mut recorder {
+                recorder.found(path.trail, light);
+            }
             if let Some(ledger) = &mut ledger {
                 let end = ledger.paths.classes.medium();
                 ledger.found(i, (path.lane, light), end);
@@ -160,7 +167,7 @@ pub(crate) fn fly(
 #[inline(always)]
 pub(crate) fn scatter<W: Width>(
     width: W,
-    (world, options): (&World, &RenderOptions),
+    (world, options, guide): (&World, &RenderOptions, Option<&Guide>),
     (paths, keys): (&Paths, &[SampleKey]),
     (vertices, goes_on): (&MediumVertices, bool),
     onward: &mut Onward,
@@ -170,14 +177,21 @@ pub(crate) fn scatter<W: Width>(
     onward.unshadowed.reserve(count * most_light_samples(world.light_set()));
     for first in (0..count).step_by(W::R::LANES) {
         let lanes = W::R::LANES.min(count - first);
-        scatter_lanes(width, (world, options), (paths, keys), (vertices, goes_on), (first, lanes), onward);
+        scatter_lanes(
+            width,
+            (world, options, guide),
+            (paths, keys),
+            (vertices, goes_on),
+            (first, lanes),
+            onward,
+        );
     }
 }
 
 #[inline(always)]
 fn scatter_lanes<W: Width>(
     width: W,
-    (world, options): (&World, &RenderOptions),
+    (world, options, guide): (&World, &RenderOptions, Option<&Guide>),
     (paths, keys): (&Paths, &[SampleKey]),
     (vertices, goes_on): (&MediumVertices, bool),
     (first, lanes): (usize, usize),
@@ -205,8 +219,19 @@ fn scatter_lanes<W: Width>(
     let share = zero.load(&vertices.share, first);
     let draws = width.draws(options.seed, &vertices.keys[first..], &edges);
     let error = p.abs().max_element() * ERROR_SCALE;
+    let mixture = guide.map(
+        #[inline(always)]
+        |guide| {
+            zero.outline(
+                #[inline(always)]
+                || Mixture::in_media(guide, there, p),
+            )
+        },
+    );
+    let mixture = mixture.as_ref();
     if !lights.is_empty() {
-        let points = LitVertices { of, p, along, phase: &phase, throughput: throughput * share, error };
+        let points =
+            LitVertices { of, p, along, phase: &phase, throughput: throughput * share, error, mixture };
         for_each_light_sample(
             width,
             (lights, draws),
@@ -220,7 +245,30 @@ fn scatter_lanes<W: Width>(
     }
     let [x, y, choice] = W::triple(draws, purpose::DIRECTION);
     let [_, survival] = W::pair(draws, purpose::CHOICE);
-    let (dir, pdf) = phase.sample(along, [choice, x, y]);
+    let before = throughput;
+    let (dir, pdf, of_phase) = match mixture {
+        None => {
+            let (dir, pdf) = phase.sample(along, [choice, x, y]);
+            (dir, pdf, pdf)
+        }
+        Some(mixture) => zero.outline(
+            #[inline(always)]
+            || mixture.sample_phase(&phase, along, [choice, x, y]),
+        ),
+    };
+    let mut spared = zero.all(1.0);
+    if mixture.is_some() {
+        let of_paths = zero.each(
+            #[inline(always)]
+            |i| of.numbers.get(i).map_or(1.0, |&number| paths.spared_of(number as usize)),
+        );
+        spared = Mixture::spared(of_paths, [pdf, of_phase], there);
+        throughput = Vector::pick(
+            pdf.above(of_phase) | of_phase.above(pdf),
+            throughput * (of_phase / pdf),
+            throughput,
+        );
+    }
     let mut long = 0;
     for (i, &edges) in edges.iter().enumerate().take(lanes) {
         long |= u64::from(roulette::decides(edges)) << i;
@@ -228,7 +276,11 @@ fn scatter_lanes<W: Width>(
     let mut alive = there;
     if long != 0 {
         let long = zero.points(long);
-        let keep = roulette::survival_in_medium(throughput.max_element());
+        let mut left = throughput.max_element();
+        if mixture.is_some() {
+            left = left * spared;
+        }
+        let keep = roulette::survival_in_medium(left);
         alive = alive & (keep.above(survival) | !long);
         throughput = Vector::pick(long, throughput.over(keep), throughput);
     }
@@ -240,7 +292,28 @@ fn scatter_lanes<W: Width>(
     let ns = Vector::grey(zero);
     let absorption = ns;
     let next = Scattered { ray, throughput, p, ns, pdf, absorption, cone, how, seen: 0, boundary: None };
+    let first_new = onward.next.count();
     onward.next.push_all(alive, of, &next);
+    if mixture.is_some() {
+        for (n, i) in LanesOf(W::R::bits(alive)).enumerate() {
+            onward.next.spared[first_new + n] = spared.lane(i);
+            let teaches = edges[i] <= DEEPEST_LESSON;
+            if let Some(recorder) = onward.recorder.as_mut().filter(|_| teaches) {
+                let vertex = guide::Vertex {
+                    p: p.get(i),
+                    dir: dir.get(i),
+                    pdf: pdf.lane(i),
+                    pdf_of_lobes: of_phase.lane(i),
+                    guidable: 1.0,
+                    throughput: guide::grey(before.get(i)),
+                    light: 0.0,
+                    class: IN_MEDIUM,
+                    before: paths.trail_of(of.numbers[i] as usize),
+                };
+                onward.next.trail[first_new + n] = recorder.scatter(vertex);
+            }
+        }
+    }
     if let Some(linked) = &mut onward.linked {
         LanesOf(W::R::bits(alive)).for_each(|_| linked.scatter(None));
     }
@@ -260,6 +333,7 @@ struct LitVertices<'a, R: Real> {
     phase: &'a Phase<R>,
     throughput: Vector<R>,
     error: R,
+    mixture: Option<&'a Mixture<'a, R>>,
 }
 
 /// Samples a light, of one group if it is named, for the vertices that request it.
@@ -271,13 +345,20 @@ fn take_light_sample<W: Width>(
     (requests, group, [x, y, choice]): LightRequests<W>,
     onward: &mut Onward,
 ) {
-    let &LitVertices { of, p, along, phase, throughput, error } = vertices;
+    let &LitVertices { of, p, along, phase, throughput, error, mixture } = vertices;
     let (zero, one) = (width.zero(), width.zero().all(1.0));
     let (lights, none) = (world.light_set(), zero.points(0));
     // From all sides.
     let light = width.lights((lights, group), [requests, requests], [p, along], [choice, x, y]);
-    let pdf = phase.value(along.dot(light.dir));
+    let value = phase.value(along.dot(light.dir));
     let lit = requests & light.found & !light.radiance.is_zero();
+    let mut pdf = value;
+    if let Some(mixture) = mixture {
+        pdf = zero.outline(
+            #[inline(always)]
+            || mixture.pdf(lit & !light.delta, light.dir, value),
+        );
+    }
     let mut weight = W::R::pick(light.delta, one, power_heuristic(light.pdf, pdf));
     let mut blockers = [0; LANES];
     if let Some(linked) = &onward.linked {
@@ -290,7 +371,7 @@ fn take_light_sample<W: Width>(
         }
         weight = W::R::pick(zero.points(alone), one, weight);
     }
-    let arriving = light.radiance * (pdf * weight / light.pdf);
+    let arriving = light.radiance * (value * weight / light.pdf);
     let here = throughput * arriving;
     let lit = lit & here.is_finite();
     let at = Leaving { p, error, ng: light.dir, ns: light.dir, lift: Vector::grey(zero) };

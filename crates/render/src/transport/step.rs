@@ -589,9 +589,7 @@ fn go_on<R: Real>(
             #[inline(always)]
             |i| number_of(of, i).map_or(1.0, |number| met.paths.spared_of(number)),
         );
-        let known = of_lobes.above(zero) & !chosen.delta;
-        let ratio = R::pick(known, chosen.pdf / R::pick(known, of_lobes, one), one);
-        spared = (of_paths * ratio).within(0.01, 1e4);
+        spared = Mixture::spared(of_paths, [chosen.pdf, of_lobes], !chosen.delta);
     }
     let mut long = 0;
     for (i, &edges) in edges.iter().enumerate().take(R::LANES) {
