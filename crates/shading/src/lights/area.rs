@@ -15,10 +15,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
-use super::spherical;
+use super::light_estimates::TriangleAt;
 use crate::batch::Vec3s;
 use crate::materials::{Coverage, Emission};
-use crate::real::Vector;
 use crate::sampling::distribution::ALMOST_ONE;
 use crate::sampling::{self, Distribution};
 use crate::shader::{LightBatch, LightShader, SurfaceShader};
@@ -186,52 +185,15 @@ impl Shape {
         Self { p: triangle.p, normal, area, power: area * triangle.brightness }
     }
 
-    /// Approximate unoccluded contribution to a surface at `p`; exactly 0 where there is none: seen from
-    /// behind, or wholly below the horizon of `normal`. A zero `normal` has no horizon.
+    /// The same as choices see it.
+    pub(super) fn seen(&self) -> TriangleAt<f32> {
+        let Self { p: [a, b, c], normal, area, power } = *self;
+        TriangleAt { corners: [a.into(), b.into(), c.into()], normal: normal.into(), area, power }
+    }
+
+    /// As [`TriangleAt::contribution`]; a zero `normal` has no horizon.
     pub(super) fn contribution(&self, p: Vec3, normal: Vec3) -> f32 {
-        let offsets = self.p.map(|q| q - p);
-        let before = -self.normal.dot(offsets[0]);
-        let above =
-            |offset: &Vec3| if normal == Vec3::ZERO { offset.length() } else { normal.dot(*offset).max(0.0) };
-        let above = offsets.iter().map(above).sum::<f32>() / 3.0;
-        // Close to the triangle its nearest parts count most; its own size keeps the estimate finite there.
-        let centre = (offsets[0] + offsets[1] + offsets[2]) / 3.0;
-        let nearest =
-            offsets.iter().fold(centre.length_squared(), |least, offset| least.min(offset.length_squared()));
-        let distance2 = nearest.max(0.25 * self.area);
-        if before > 0.0 && above > 0.0 {
-            // Scaled step by step, so that it neither overflows nor vanishes in large or tiny scenes.
-            let contribution = (before / distance2) * (above / distance2) * self.power;
-            if contribution.is_finite() { contribution.max(f32::MIN_POSITIVE) } else { f32::MAX.sqrt() }
-        } else {
-            0.0
-        }
-    }
-
-    /// The barycentric weights of the second and third vertex that a point on it, seen from `p`, has for two numbers in
-    /// [0, 1); and its density per solid angle, unless it is uniform by area.
-    pub(super) fn position(&self, p: Vec3, u: [f32; 2]) -> ([f32; 2], Option<f32>) {
-        let wide = self.wide_position(p, u).map(|(position, density)| (position, Some(density)));
-        wide.unwrap_or_else(|| (sampling::triangle(u), None))
-    }
-
-    /// The same where it is not uniform by area.
-    pub(super) fn wide_position(&self, p: Vec3, u: [f32; 2]) -> Option<([f32; 2], f32)> {
-        let corners = self.p.map(|q| Vector::from(q - p));
-        let (wide, angle) = spherical::wide_angle(corners, self.area);
-        wide.then(|| (spherical::sample(corners, angle, u), 1.0 / angle))
-    }
-
-    /// Density per solid angle at `p` of the position that lies along the unit `dir`, `dist` away; 0 from behind.
-    pub(super) fn density(&self, p: Vec3, dir: Vec3, dist: f32) -> f32 {
-        let (wide, angle) = spherical::wide_angle(self.p.map(|q| Vector::from(q - p)), self.area);
-        self.density_of(wide.then(|| 1.0 / angle), dir, dist)
-    }
-
-    /// The same for a position that [`position`](Self::position) gave with this density.
-    pub(super) fn density_of(&self, wide: Option<f32>, dir: Vec3, dist: f32) -> f32 {
-        let cos = -self.normal.dot(dir);
-        if cos > 0.0 { wide.unwrap_or_else(|| dist * dist / (cos * self.area)) } else { 0.0 }
+        self.seen().contribution(p.into(), (normal != Vec3::ZERO).then(|| normal.into()))
     }
 
     /// The point at the barycentric weights of the second and third vertex.

@@ -11,13 +11,12 @@ use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
 use super::area::{EmitterPoint, Shape};
+use super::light_estimates::{Aim, GroupBounds, TriangleAt};
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
-use super::spherical;
 use crate::lanes::{Floats, LANES, LanesOf, Mask, UInts, Vec3x16, transpose};
 use crate::real::{Real, Vector};
 use crate::sampling::distribution::ALMOST_ONE;
-use crate::sampling::triangle;
 
 /// Directions to lights from many points: see [`LightSample`].
 #[derive(Clone, Copy)]
@@ -156,31 +155,11 @@ impl LightLanes {
         let end = self.walk(active, p, normal, choice);
         let (light, probability, found) = self.choose(&end, p, normal);
         let probability = lane_probability * probability;
-        // From here on as `LightSet::sample_near`.
         let light: [u32; LANES] = light.into();
         let row = columns(simd, &self.triangles, &light);
-        let corners = [vector(&row, 0), vector(&row, 3), vector(&row, 6)];
-        let towards = vector(&row, 9);
-        let (area, [mut b1, mut b2]) = (row[12], triangle([x, y]));
-        // Near large triangles by solid angle.
-        let mut wide = f32x16::splat(simd, 0.0);
-        let from_here = [corners[0] - p, corners[1] - p, corners[2] - p];
-        let (near, angle) = spherical::wide_angle(from_here, area);
-        let near = near & found;
-        if near.any_true() {
-            let [w1, w2] = spherical::sample(from_here, angle, [x, y]);
-            (b1, b2) = (near.select(w1, b1), near.select(w2, b2));
-            wide = near.select(f32x16::splat(simd, 1.0) / angle, wide);
-        }
-        let point = corners[0] + (corners[1] - corners[0]) * b1 + (corners[2] - corners[0]) * b2;
-        let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs()).max(p.abs()).max_element();
-        let offset = point + towards * (reach * (16.0 * f32::EPSILON)) - p;
-        let dist = offset.length_squared().sqrt();
-        let dir = offset.over(dist);
-        let cos = -towards.dot(dir);
         let zero = f32x16::splat(simd, 0.0);
-        let density = wide.simd_gt(zero).select(wide, dist * dist / (cos * area));
-        let density = cos.simd_gt(zero).select(density, zero);
+        // Chosen already, so that its power counts no more.
+        let Aim { position: [b1, b2], dir, dist, density } = triangle_at(&row, zero).aim(p, [x, y], found);
         let mut radiance = Vec3x16::new(row[13], row[14], row[15]);
         if let (false, Some(triangles)) = (self.uneven.is_empty(), &parts.triangles) {
             let (mut requests, mut of) = ([EmitterPoint::default(); LANES], [0; LANES]);
@@ -226,7 +205,8 @@ impl LightLanes {
             let children = [walking.select(at + 1, nothing), walking.select(second, nothing)];
             let one_row = columns(simd, &self.nodes, &children[0].into());
             let other_row = columns(simd, &self.nodes, &children[1].into());
-            let (first, other) = (importance(&one_row, p, normal), importance(&other_row, p, normal));
+            let first = group(&one_row).importance(p, Some(normal));
+            let other = group(&other_row).importance(p, Some(normal));
             let sum = first + other;
             let lost = walking & !sum.simd_gt(zero);
             end.alive &= !lost;
@@ -315,7 +295,7 @@ impl LightLanes {
                     for (x, row) in shape.iter_mut().zip(&block.shape) {
                         *x = f32x16::splat(simd, row.0[k]);
                     }
-                    *contribution = contribution_of(&shape, p, normal);
+                    *contribution = triangle_at(&shape, shape[13]).contribution(p, Some(normal));
                 }
             }
             return contributions;
@@ -327,7 +307,8 @@ impl LightLanes {
             for (x, row) in shape.iter_mut().zip(rows) {
                 *x = f32x16::from_slice(simd, &row.0);
             }
-            contributions[i] = contribution_of(&shape, p.spread(i), normal.spread(i));
+            contributions[i] =
+                triangle_at(&shape, shape[13]).contribution(p.spread(i), Some(normal.spread(i)));
         }
         transpose(contributions)
     }
@@ -357,13 +338,12 @@ fn write3(row: &mut [f32], vectors: &[Vec3]) {
 }
 
 fn node_row(node: &Node, values: [u32; 3]) -> Row {
-    let bounds = &node.bounds;
-    let size = bounds.max - bounds.min;
+    let group = node.bounds.seen();
     let mut row = [0.0; LANES];
-    write3(&mut row, &[bounds.centre(), 0.5 * size]);
-    row[6] = 0.25 * size.length_squared();
-    write3(&mut row[7..], &[bounds.axis]);
-    row[10..13].copy_from_slice(&[bounds.cos_normals, bounds.cos_emission, bounds.power]);
+    write3(&mut row, &[group.centre.into(), group.half.into()]);
+    row[6] = group.radius2;
+    write3(&mut row[7..], &[group.axis.into()]);
+    row[10..13].copy_from_slice(&[group.cos_normals, group.cos_emission, group.power]);
     row[13..].copy_from_slice(&values.map(f32::from_bits));
     Row(row)
 }
@@ -402,60 +382,18 @@ fn descend<S: Simd>(u: Floats<S>, share: Floats<S>) -> (Floats<S>, Mask<S>) {
     (rest, to_first)
 }
 
-/// `LightBounds::importance` of a node's row.
+/// A node of these columns.
 #[inline(always)]
-fn importance<S: Simd>(row: &[Floats<S>; LANES], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
-    let simd = p.x.token();
-    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let (offset, half, radius2, axis) = (vector(row, 0) - p, vector(row, 3), row[6], vector(row, 7));
-    let (cos_normals, cos_emission, power) = (row[10], row[11], row[12]);
-    let distance2 = offset.length_squared();
-    let towards = offset.over(distance2.sqrt());
-    let at_centre = !towards.is_finite();
-    let below = (normal.dot(offset) + normal.abs().dot(half)).simd_le(zero);
-    let outside = distance2.simd_gt(radius2);
-    let cos_size = outside.select((one - radius2 / distance2).max(zero).sqrt(), -one);
-    let from_normal = angle_less(-axis.dot(towards), cos_normals);
-    let cos_light = angle_less(from_normal, cos_size);
-    let cos_surface = angle_less(normal.dot(towards), cos_size);
-    let dark = cos_light.simd_lt(cos_emission - f32x16::splat(simd, 1e-4))
-        | cos_surface.simd_lt(f32x16::splat(simd, -1e-4));
-    let least = f32x16::splat(simd, 1e-4);
-    let estimate = power * cos_light.max(least) * cos_surface.max(least) / distance2.max(radius2);
-    let estimate = estimate.is_finite().select(estimate, f32x16::splat(simd, f32::MAX.sqrt()));
-    let lit = (below | dark).select(zero, estimate);
-    at_centre.select(power / radius2.max(f32x16::splat(simd, f32::MIN_POSITIVE)), lit)
+fn group<S: Simd>(row: &[Floats<S>; LANES]) -> GroupBounds<f32x16<S>> {
+    let (centre, half, radius2, axis) = (vector(row, 0), vector(row, 3), row[6], vector(row, 7));
+    GroupBounds { centre, half, radius2, axis, cos_normals: row[10], cos_emission: row[11], power: row[12] }
 }
 
-/// As the function of that name in `light_tree`.
+/// A triangle of these columns.
 #[inline(always)]
-fn angle_less<S: Simd>(cos_a: Floats<S>, cos_b: Floats<S>) -> Floats<S> {
-    let simd = cos_a.token();
-    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let sin_a = (one - cos_a * cos_a).max(zero).sqrt();
-    let sin_b = (one - cos_b * cos_b).max(zero).sqrt();
-    cos_a.simd_ge(cos_b).select(one, cos_a * cos_b + sin_a * sin_b)
-}
-
-/// `Shape::contribution` for a unit normal.
-#[inline(always)]
-fn contribution_of<S: Simd>(shape: &[Floats<S>; 14], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
-    let simd = p.x.token();
-    let zero = f32x16::splat(simd, 0.0);
-    let [a, b, c] = [vector(shape, 0) - p, vector(shape, 3) - p, vector(shape, 6) - p];
-    let before = -vector(shape, 9).dot(a);
-    let above = normal.dot(a).max(zero) + normal.dot(b).max(zero) + normal.dot(c).max(zero);
-    let above = above / 3.0;
-    let centre = (a + b + c).over(f32x16::splat(simd, 3.0));
-    let nearest = centre.length_squared().min(a.length_squared());
-    let nearest = nearest.min(b.length_squared()).min(c.length_squared());
-    let distance2 = nearest.max(shape[12] * 0.25);
-    let contribution = (before / distance2) * (above / distance2) * shape[13];
-    let contribution = contribution.is_finite().select(
-        contribution.max(f32x16::splat(simd, f32::MIN_POSITIVE)),
-        f32x16::splat(simd, f32::MAX.sqrt()),
-    );
-    (before.simd_gt(zero) & above.simd_gt(zero)).select(contribution, zero)
+fn triangle_at<S: Simd>(shape: &[Floats<S>], power: Floats<S>) -> TriangleAt<f32x16<S>> {
+    let corners = [vector(shape, 0), vector(shape, 3), vector(shape, 6)];
+    TriangleAt { corners, normal: vector(shape, 9), area: shape[12], power }
 }
 
 impl<S: Simd> LightSampleX16<S> {

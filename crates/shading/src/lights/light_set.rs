@@ -15,6 +15,7 @@ use glam::Vec3;
 use gnurt_accel::Threads;
 use gnurt_image::srgb::luminance;
 
+use super::light_estimates::Aim;
 use super::light_lanes::LightLanes;
 use super::light_parts::{LightId, LightKind, LightParts, LightSample, is_sound};
 use super::light_tree::{LightBounds, LightTree};
@@ -177,12 +178,9 @@ impl LightSet {
             LightKind::Triangle(i) => {
                 let triangles = self.parts.triangles.as_ref()?;
                 let shape = &triangles.shapes[i as usize];
-                let (uv, wide) = shape.position(p, u);
-                let offset = shape.nearest_image(p, uv) - p;
-                let dist = offset.length();
-                let dir = offset / dist;
-                let pdf = probability * shape.density_of(wide, dir, dist);
-                let radiance = triangles.radiance(i as usize, uv, dir, dist);
+                let Aim { position, dir, dist, density } = shape.seen().aim(p.into(), u, true);
+                let (dir, pdf) = (dir.into(), probability * density);
+                let radiance = triangles.radiance(i as usize, position, dir, dist);
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
             LightKind::Point(i) => {
@@ -234,7 +232,7 @@ impl LightSet {
     pub fn pdf_triangle_in_group(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
         let Some(triangles) = &self.parts.triangles else { return 0.0 };
         let shape = &triangles.shapes[triangle as usize];
-        let here = shape.density(p, dir, dist);
+        let here = shape.seen().density(p.into(), dir.into(), dist);
         if here <= 0.0 {
             return 0.0;
         }

@@ -14,6 +14,7 @@ use glam::Vec3;
 use gnurt_accel::Threads;
 use rayon::prelude::*;
 
+use super::light_estimates::GroupBounds;
 use crate::sampling::distribution::ALMOST_ONE;
 
 /// Bounds, directions and power of a group of lights.
@@ -48,41 +49,24 @@ impl LightBounds {
         0.5 * (self.min + self.max)
     }
 
-    /// About the most that the group brings to a surface at `p`.
-    fn importance(&self, p: Vec3, normal: Vec3) -> f32 {
-        let branch_bits = self.centre() - p;
-        let radius2 = 0.25 * (self.max - self.min).length_squared();
-        let distance2 = branch_bits.length_squared();
-        let towards = branch_bits / distance2.sqrt();
-        if !towards.is_finite() {
-            return self.power / radius2.max(f32::MIN_POSITIVE);
+    /// The same as choices see it.
+    pub(super) fn seen(&self) -> GroupBounds<f32> {
+        let half = 0.5 * (self.max - self.min);
+        GroupBounds {
+            centre: self.centre().into(),
+            half: half.into(),
+            radius2: 0.25 * (self.max - self.min).length_squared(),
+            axis: self.axis.into(),
+            cos_normals: self.cos_normals,
+            cos_emission: self.cos_emission,
+            power: self.power,
         }
-        // Wholly below the horizon: the box's highest corner is.
-        let highest = normal.dot(branch_bits) + normal.abs().dot(0.5 * (self.max - self.min));
-        if normal != Vec3::ZERO && highest <= 0.0 {
-            return 0.0;
-        }
-        // The cone in which the ball around the box is seen; from within it lies everywhere.
-        let cos_size = if distance2 > radius2 { (1.0 - radius2 / distance2).max(0.0).sqrt() } else { -1.0 };
-        let from_normal = angle_less(-self.axis.dot(towards), self.cos_normals);
-        let cos_light = angle_less(from_normal, cos_size);
-        let cos_surface = if normal == Vec3::ZERO { 1.0 } else { angle_less(normal.dot(towards), cos_size) };
-        // A little slack, because rounding must not hide grazing lights.
-        if cos_light < self.cos_emission - 1e-4 || cos_surface < -1e-4 {
-            return 0.0;
-        }
-        let importance = self.power * cos_light.max(1e-4) * cos_surface.max(1e-4) / distance2.max(radius2);
-        if importance.is_finite() { importance } else { f32::MAX.sqrt() }
     }
-}
 
-/// Cosine of angle `a` less angle `b`, at least zero; both by their cosines.
-fn angle_less(cos_a: f32, cos_b: f32) -> f32 {
-    if cos_a >= cos_b {
-        return 1.0;
+    /// About the most that the group brings to a surface at `p`; a zero `normal` has no horizon.
+    fn importance(&self, p: Vec3, normal: Vec3) -> f32 {
+        self.seen().importance(p.into(), (normal != Vec3::ZERO).then(|| normal.into()))
     }
-    let sin = |cos: f32| (1.0 - cos * cos).max(0.0).sqrt();
-    cos_a * cos_b + sin(cos_a) * sin(cos_b)
 }
 
 /// The smallest cone around two cones, each an axis and the cosine of its half angle.

@@ -6,6 +6,7 @@ mod area;
 mod environment;
 mod lamp_points;
 mod light_emission;
+mod light_estimates;
 mod light_groups;
 mod light_lanes;
 mod light_parts;
