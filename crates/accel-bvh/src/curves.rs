@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use gnurt_accel_core::collect::Collect;
-use gnurt_accel_core::curve::{CurveBasis, CurvePiece, OwnedCurves, RayFrame};
+use gnurt_accel_core::curve::{CurveBasis, CurvePiece, OwnedCurves, RayFrame, Rough, RoughRay};
 use gnurt_accel_core::geometry::GeometryKind;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::primitive::Primitive;
@@ -107,8 +107,12 @@ impl BlockKind for CurveBlock {
         let [x, y, z] = frame.axes;
         ReadyRay {
             frame,
-            org: splat(simd, frame.org),
-            axes: [splat(simd, x), splat(simd, y), splat(simd, z)],
+            rough: RoughRay {
+                org: splat(simd, frame.org),
+                axes: [splat(simd, x), splat(simd, y), splat(simd, z)],
+                away,
+                length: frame.length as f32,
+            },
             slack: f32x8::splat(simd, 2.0 * SLACK * (2.0 * greatest + away)),
         }
     }
@@ -144,7 +148,7 @@ impl BlockKind for CurveBlock {
                 let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
                 bits &= bits - 1;
                 if waiting.count == MOST_WAIT {
-                    tested += waiting.test(simd, MOST_WAIT, blocks, &ready.frame, shared, traversal);
+                    tested += waiting.test(simd, MOST_WAIT, blocks, ready, shared, traversal);
                     before = 0;
                 }
                 block.prefetch(lane, shared);
@@ -155,7 +159,7 @@ impl BlockKind for CurveBlock {
             }
         }
         if before > 0 {
-            tested += waiting.test(simd, before, blocks, &ready.frame, shared, traversal);
+            tested += waiting.test(simd, before, blocks, ready, shared, traversal);
         }
         tested
     }
@@ -169,7 +173,7 @@ impl BlockKind for CurveBlock {
         waiting: &mut Waiting,
         traversal: &mut RayTraversal,
     ) -> u64 {
-        waiting.test(simd, waiting.count, blocks, &ready.frame, shared, traversal)
+        waiting.test(simd, waiting.count, blocks, ready, shared, traversal)
     }
 
     fn near(
@@ -213,7 +217,7 @@ impl CurveBlock {
         &self,
         simd: S,
         lane: usize,
-        frame: &RayFrame,
+        ready: &ReadyRay<S>,
         shared: &Shared<Self>,
         slot: u32,
         traversal: &mut RayTraversal,
@@ -223,8 +227,21 @@ impl CurveBlock {
             || {
                 let (t_near, number) = (traversal.ray.t_near, self.numbers[lane]);
                 let Some((curves, prim_id)) = shared.get(number) else { return };
+                let (curves, place) = (curves.view(), self.place(lane));
+                let radius = f32::from(self.radius[lane]) * self.step(3);
+                let is_any = matches!(traversal.kind, RayKind::Any);
+                let ends = [t_near, traversal.reach()];
+                let which = [prim_id, u32::from(place)];
+                match curves.meet_roughly(simd, which, radius, &ready.rough, ends, is_any) {
+                    Rough::Missed => return,
+                    // Where it is does not matter.
+                    Rough::Hit => {
+                        return traversal.offer(TriangleHit { t: t_near, u: 0.0, v: 0.0 }, number, slot);
+                    }
+                    Rough::Unknown => {}
+                }
                 let are_all = matches!(traversal.kind, RayKind::Each(_));
-                curves.view().meet(prim_id, frame, part(self.place(lane)), &mut |hit| {
+                curves.meet(prim_id, &ready.frame, part(place), &mut |hit| {
                     let (t, u, v) = (hit.t as f32, hit.u as f32, hit.v as f32);
                     if t >= t_near && t <= traversal.reach() {
                         traversal.offer(TriangleHit { t: t + 0.0, u, v }, number, slot);

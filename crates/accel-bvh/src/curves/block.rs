@@ -4,7 +4,7 @@
 //! Invariant: a capsule holds that of its piece, and with it all hits. In lanes it is larger by twice the slack of boxes
 //! (`slab.rs`): the rounding of both its ends, seen along the ray, is below half of that. Tests: `tests`.
 
-use gnurt_accel_core::curve::{CurvePiece, RayFrame, Segment};
+use gnurt_accel_core::curve::{CurvePiece, RayFrame, RoughRay, Segment};
 use gnurt_accel_core::float::{least, most};
 use gnurt_simd::{Simd, f32x8, prefetch, prelude::*};
 
@@ -57,8 +57,7 @@ pub(super) fn part(place: u8) -> [f64; 2] {
 #[derive(Clone, Copy)]
 pub struct ReadyRay<S: Simd> {
     pub(super) frame: RayFrame,
-    pub(super) org: [f32x8<S>; 3],
-    pub(super) axes: [[f32x8<S>; 3]; 3],
+    pub(super) rough: RoughRay<S>,
     pub(super) slack: f32x8<S>,
 }
 
@@ -97,14 +96,14 @@ impl CurveBlock {
     /// Points by the axes of a ray. A function: operations in a closure that is not inlined would all be calls.
     #[inline(always)]
     fn seen<S: Simd>(&self, simd: S, ray: &ReadyRay<S>, end: usize) -> [f32x8<S>; 3] {
-        let mut from = ray.org;
+        let mut from = ray.rough.org;
         for (k, row) in from.iter_mut().enumerate() {
             let origin = f32x8::splat(simd, self.origin[k]) - *row;
             let step = f32x8::splat(simd, self.step(k));
             *row = counts(simd, &self.ends[end], k as u32).mul_add(step, origin);
         }
         let mut seen = from;
-        for (row, axis) in seen.iter_mut().zip(&ray.axes) {
+        for (row, axis) in seen.iter_mut().zip(&ray.rough.axes) {
             *row = from[0].mul_add(axis[0], from[1].mul_add(axis[1], from[2] * axis[2]));
         }
         seen
@@ -129,7 +128,7 @@ impl CurveBlock {
         let behind = -(b[0].mul_add(step[0], b[1] * step[1]));
         let off = before.max(behind).max(beside.abs());
         let is_near = (off * off).simd_le(radius * radius * square);
-        let length = ray.frame.length as f32;
+        let length = ray.rough.length;
         let start = a[2].min(b[2]) - radius;
         let is_before = start.simd_le(f32x8::splat(simd, far * length));
         let is_behind = (a[2].max(b[2]) + radius).simd_ge(f32x8::splat(simd, near * length));

@@ -4,12 +4,11 @@
 //! `gnurt-accel`.
 
 use gnurt_accel_core::collect::Collect;
-use gnurt_accel_core::curve::RayFrame;
 use gnurt_accel_core::traversal::RayTraversal;
 
 use gnurt_simd::Simd;
 
-use super::block::CurveBlock;
+use super::block::{CurveBlock, ReadyRay};
 use crate::blocked::Shared;
 use crate::node::WIDTH;
 
@@ -40,17 +39,17 @@ impl Waiting {
         simd: S,
         count: usize,
         blocks: &[CurveBlock],
-        frame: &RayFrame,
+        ready: &ReadyRay<S>,
         shared: &Shared<CurveBlock>,
         traversal: &mut RayTraversal,
     ) -> u64 {
         let mut tested = 0;
-        let length = frame.length as f32;
+        let length = ready.rough.length;
         for i in 0..count.min(MOST_WAIT) {
             let place = self.places[i] as usize;
             if self.starts[i] <= traversal.reach() * length && !traversal.is_done() {
                 tested += 1;
-                blocks[place / WIDTH].meet_one(simd, place % WIDTH, frame, shared, traversal.slot, traversal);
+                blocks[place / WIDTH].meet_one(simd, place % WIDTH, ready, shared, traversal.slot, traversal);
             }
         }
         for i in count..self.count.min(MOST_WAIT) {

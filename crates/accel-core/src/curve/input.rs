@@ -25,26 +25,29 @@ pub enum CurveBasis {
     Hermite,
 }
 
+const SIXTH: f64 = 1.0 / 6.0;
+
 impl CurveBasis {
+    pub(super) const BEZIER: [[f64; 4]; 4] =
+        [[1.0, 0.0, 0.0, 0.0], [-3.0, 3.0, 0.0, 0.0], [3.0, -6.0, 3.0, 0.0], [-1.0, 3.0, -3.0, 1.0]];
+    pub(super) const B_SPLINE: [[f64; 4]; 4] = [
+        [SIXTH, 4.0 * SIXTH, SIXTH, 0.0],
+        [-0.5, 0.0, 0.5, 0.0],
+        [0.5, -1.0, 0.5, 0.0],
+        [-SIXTH, 0.5, -0.5, SIXTH],
+    ];
+    pub(super) const CATMULL_ROM: [[f64; 4]; 4] =
+        [[0.0, 1.0, 0.0, 0.0], [-0.5, 0.0, 0.5, 0.0], [1.0, -2.5, 2.0, -0.5], [-0.5, 1.5, -1.5, 0.5]];
+
     /// Weights of four vertices in the powers from 0 to 3, where there are four.
     #[inline(always)]
     fn weights(self) -> Option<&'static [[f64; 4]; 4]> {
-        const SIXTH: f64 = 1.0 / 6.0;
-        Some(match self {
-            Self::Linear | Self::Hermite => return None,
-            Self::Bezier => {
-                &[[1.0, 0.0, 0.0, 0.0], [-3.0, 3.0, 0.0, 0.0], [3.0, -6.0, 3.0, 0.0], [-1.0, 3.0, -3.0, 1.0]]
-            }
-            Self::BSpline => &[
-                [SIXTH, 4.0 * SIXTH, SIXTH, 0.0],
-                [-0.5, 0.0, 0.5, 0.0],
-                [0.5, -1.0, 0.5, 0.0],
-                [-SIXTH, 0.5, -0.5, SIXTH],
-            ],
-            Self::CatmullRom => {
-                &[[0.0, 1.0, 0.0, 0.0], [-0.5, 0.0, 0.5, 0.0], [1.0, -2.5, 2.0, -0.5], [-0.5, 1.5, -1.5, 0.5]]
-            }
-        })
+        match self {
+            Self::Linear | Self::Hermite => None,
+            Self::Bezier => Some(&Self::BEZIER),
+            Self::BSpline => Some(&Self::B_SPLINE),
+            Self::CatmullRom => Some(&Self::CATMULL_ROM),
+        }
     }
 }
 
@@ -140,7 +143,7 @@ impl<'a> Curves<'a> {
 
     /// The part of an array that is a curve's.
     #[inline(always)]
-    fn of<T>(&self, array: &'a [T], prim_id: u32) -> Option<&'a [T]> {
+    pub(super) fn of<T>(&self, array: &'a [T], prim_id: u32) -> Option<&'a [T]> {
         let first = *self.indices.get(prim_id as usize)? as usize;
         array.get(first..first.checked_add(self.order())?)
     }

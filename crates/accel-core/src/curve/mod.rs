@@ -11,12 +11,14 @@ mod near;
 mod pieces;
 mod ray;
 mod ribbon;
+mod rough;
 mod segment;
 mod starts;
 mod tube;
 
 pub use input::{CurveBasis, CurveForm, Curves, OwnedCurves};
 pub use ray::{CurveHit, Offer, RayFrame};
+pub use rough::{Rough, RoughRay};
 pub use segment::{CurvePiece, Segment};
 pub use starts::Starts;
 
