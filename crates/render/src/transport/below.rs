@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Walks below surfaces: their state, and their steps.
 //! Source: [CKB16]; distances are drawn for one channel, weighted by the mean density of all channels [WND*14].
+//! Numbers of the first four events are stratified over a pixel's samples.
 //! `subsurface` begins and ends walks. Space: world. Tests: crates/render/tests/subsurface.rs.
 
 use glam::Vec3;
@@ -114,7 +115,8 @@ impl Walk {
             self.throughput /= keep;
         }
         self.org += self.dir * t;
-        let u = [random.next(), random.next(), random.next()];
+        // One lobe: nothing to choose.
+        let u = [0.0, random.next(), random.next()];
         self.dir = Vec3::from(self.phase.sample(self.dir.into(), u).0);
         self.span = [0.0; 2];
         self.events < MOST_EVENTS && self.light() > 0.0 && self.throughput.is_finite()

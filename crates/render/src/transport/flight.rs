@@ -8,54 +8,65 @@
 
 use glam::Vec3;
 use gnurt_shading::SampleKey;
-use gnurt_shading::sampling::{hash_combine, purpose, sample_pair};
+use gnurt_shading::sampling::{Draws, hash_combine, purpose};
 
 use crate::world::{GridRay, Inside, Media, MediumEntry};
 
-/// Random numbers of one flight: the first two are stratified.
+/// Numbers of a walk that are stratified: those of its first four events.
+const STRATIFIED: u32 = 16;
+
+/// Random numbers of one flight, or walk: the first are stratified over the samples of a pixel.
 pub(crate) struct Random {
-    first: Option<[f32; 2]>,
+    first: Option<Draws>,
+    /// The purpose of the first pair, and how many numbers there are.
+    purpose: u32,
+    stratified: u32,
     state: u32,
     count: u32,
+    pair: [f32; 2],
 }
 
 impl Random {
-    fn state(seed: u64, key: SampleKey, more: [u32; 3]) -> u32 {
+    fn new(seed: u64, key: SampleKey, more: [u32; 3], (purpose, stratified): (u32, u32)) -> Self {
         let values = [seed as u32, (seed >> 32) as u32, key.pixel, key.sample, key.branch];
-        values.into_iter().chain(more).fold(0x51ed_270b, hash_combine)
+        let state = values.into_iter().chain(more).fold(0x51ed_270b, hash_combine);
+        let first = (stratified > 0).then(|| Draws::new(seed, key, more[0]));
+        Self { first, purpose, stratified, state, count: 0, pair: [0.0; 2] }
     }
 
     /// Those of the flight along an edge.
     pub(crate) fn of_edge(seed: u64, key: SampleKey, edges: u32) -> Self {
-        let first = sample_pair(seed, key, edges, purpose::FLIGHT);
-        Self { first: Some(first), state: Self::state(seed, key, [edges, 0, 1]), count: 0 }
+        Self::new(seed, key, [edges, 0, 1], (purpose::FLIGHT, 2))
     }
 
     /// Those of one stretch of a shadow ray.
     pub(crate) fn of_shadow(seed: u64, key: SampleKey, [edges, layer]: [u32; 2]) -> Self {
-        Self { first: None, state: Self::state(seed, key, [edges, layer, 2]), count: 0 }
+        Self::new(seed, key, [edges, layer, 2], (0, 0))
     }
 
     /// Those on the way to a place near a lamp, along an edge.
     pub(super) fn of_lamp(seed: u64, key: SampleKey, edges: u32) -> Self {
-        Self { first: None, state: Self::state(seed, key, [edges, 0, 4]), count: 0 }
+        Self::new(seed, key, [edges, 0, 4], (0, 0))
     }
 
     /// Those of a walk below the surface at the end of an edge.
     pub(super) fn of_walk(seed: u64, key: SampleKey, edges: u32) -> Self {
-        Self { first: None, state: Self::state(seed, key, [edges, 0, 3]), count: 0 }
+        Self::new(seed, key, [edges, 0, 3], (purpose::WALK, STRATIFIED))
     }
 
     /// Those of the search for a lamp behind smooth surfaces, from the end of an edge.
     pub(super) fn of_caustic(seed: u64, key: SampleKey, edges: u32) -> Self {
-        Self { first: None, state: Self::state(seed, key, [edges, 0, 5]), count: 0 }
+        Self::new(seed, key, [edges, 0, 5], (0, 0))
     }
 
     pub(super) fn next(&mut self) -> f32 {
         let count = self.count;
         self.count += 1;
-        if let Some(first) = self.first.filter(|_| count < 2) {
-            return first[count as usize];
+        if let Some(first) = self.first.filter(|_| count < self.stratified) {
+            if count.is_multiple_of(2) {
+                self.pair = first.pair(self.purpose + count / 2);
+            }
+            return self.pair[count as usize % 2];
         }
         (hash_combine(self.state, count) >> 8) as f32 * (1.0 / 16_777_216.0)
     }
@@ -360,5 +371,25 @@ impl Parts<'_> {
             return Flight { throughput, emitted, scattered };
         }
         ended(weight, emitted)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_steps_of_walks_are_stratified_over_samples() {
+        let numbers = |sample| {
+            let mut random = Random::of_walk(7, SampleKey { pixel: 3, sample, branch: 0 }, 2);
+            [(); STRATIFIED as usize + 1].map(|()| random.next())
+        };
+        let samples: Vec<_> = (0..16).map(numbers).collect();
+        for k in 0..STRATIFIED as usize {
+            let parts = samples.iter().fold(0u32, |parts, numbers| parts | 1 << (numbers[k] * 16.0) as u32);
+            assert_eq!(parts, 0xffff, "number {k}: a sample in each sixteenth");
+        }
+        let later = samples.iter().map(|numbers| numbers[STRATIFIED as usize]);
+        assert!(later.clone().all(|u| (0.0..1.0).contains(&u)));
     }
 }

@@ -36,6 +36,8 @@ pub mod purpose {
     /// Choice of a light of the first group, and the position on it, where groups are sampled one by one; group i has
     /// `LIGHT_GROUP + i`.
     pub const LIGHT_GROUP: u32 = 0x10;
+    /// First pair of a walk below a surface; pair i has `WALK + i`.
+    pub const WALK: u32 = 0x40;
     /// First of those for shaders outside of this crate.
     pub const SHADER: u32 = 0x100;
     /// Point on light 0; light i has `LIGHT + i`.
