@@ -23,6 +23,8 @@ picture dragon "$wide" "$work/dragon.obj" --eye -0.06,0.17,0.34 --target -0.006,
 picture buddha "$tall" "$work/buddha-100k.obj" --eye 0.3,0.3,4.6 --target -0.05,0,0 --fov 27
 picture armadillo "$square" "$work/armadillo.obj" --eye 0,0.1,2.6 --target 0,-0.07,0 --fov 30 \
     --spp $((4 * spp))
+python3 "$(dirname "$0")/hair.py" "$work/hair.pbrt"
+picture hair "${height}x$((height * 9 / 16))" "$work/hair.pbrt" --spp $((9 * spp / 4)) --denoise=none
 picture cornell "$square" "$scenes/cornell-box/cornell-box.obj" --eye 0,1,6.8 --target 0,1,0 --fov 19.5
 picture office "$wide" "$scenes/office/office.obj" --eye 2.1,3.2,2 --target -1.2,1.9,-0.8 --fov 50
 picture conference "$wide" "$scenes/conference/conference.obj" --eye 30,21,7 --target 26.1962,17.9239,5.9663 \
