@@ -89,27 +89,32 @@ fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: u64) ->
     [all, error.sqrt(), variance.sum::<f64>() / count as f64]
 }
 
+/// Checks that the mean with a guide is that without, known to this share of it; returns the variances without and with.
+fn variances_of_one_mean(
+    of: &(World, SceneCamera),
+    with: impl Fn(Guiding) -> RenderOptions,
+    (seeds, known): (u64, f64),
+) -> [f64; 2] {
+    let [off, off_error, off_variance] = statistics(of, &with(Guiding::Off), seeds);
+    let [on, on_error, on_variance] = statistics(of, &with(Guiding::On), seeds);
+    let error = off_error.hypot(on_error);
+    assert!(error < known * off, "enough samples to tell: {off} within {error}");
+    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+    [off_variance, on_variance]
+}
+
 #[test]
 fn the_mean_stays_and_the_noise_falls() {
-    let room = room_below_glass();
-    let [off, off_error, off_variance] = statistics(&room, &path(48, 36, 32, Guiding::Off), 6);
-    let [on, on_error, on_variance] = statistics(&room, &path(48, 36, 32, Guiding::On), 6);
-    let error = off_error.hypot(on_error);
-    assert!(error < 0.02 * off, "enough samples to tell: {off} within {error}");
-    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+    let with = |guiding| path(48, 36, 32, guiding);
+    let [off_variance, on_variance] = variances_of_one_mean(&room_below_glass(), with, (6, 0.02));
     assert!(on_variance < 0.7 * off_variance, "variance {on_variance}, without a guide {off_variance}");
 }
 
 /// A light sample and a guided ray find the same lamp: both are weighed by the density of the mixture.
 #[test]
 fn lamps_that_light_samples_find_count_once() {
-    let room = room(2.0);
     let with = |guiding| RenderOptions { max_depth: 3, ..path(48, 36, 32, guiding) };
-    let [off, off_error, _] = statistics(&room, &with(Guiding::Off), 6);
-    let [on, on_error, _] = statistics(&room, &with(Guiding::On), 6);
-    let error = off_error.hypot(on_error);
-    assert!(error < 0.002 * off, "enough samples to tell: {off} within {error}");
-    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+    variances_of_one_mean(&room(2.0), with, (6, 0.002));
 }
 
 /// A ball of fog that scatters forward a little, alone.
@@ -140,24 +145,15 @@ fn fog_below_lamp(sky: f32) -> (World, SceneCamera) {
 /// Vertices in media learn where light is, as those of surfaces do.
 #[test]
 fn fog_keeps_its_mean_and_its_noise_falls() {
-    let of = fog_below_lamp(0.0);
-    let [off, off_error, off_variance] = statistics(&of, &path(32, 32, 64, Guiding::Off), 8);
-    let [on, on_error, on_variance] = statistics(&of, &path(32, 32, 64, Guiding::On), 8);
-    let error = off_error.hypot(on_error);
-    assert!(error < 0.03 * off, "enough samples to tell: {off} within {error}");
-    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+    let with = |guiding| path(32, 32, 64, guiding);
+    let [off_variance, on_variance] = variances_of_one_mean(&fog_below_lamp(0.0), with, (8, 0.03));
     assert!(on_variance < 0.5 * off_variance, "variance {on_variance}, without a guide {off_variance}");
 }
 
 /// Light samples in fog are weighed by the density of the mixture, too.
 #[test]
 fn skies_around_fog_count_once() {
-    let of = fog_below_lamp(2.0);
-    let [off, off_error, _] = statistics(&of, &path(32, 32, 64, Guiding::Off), 8);
-    let [on, on_error, _] = statistics(&of, &path(32, 32, 64, Guiding::On), 8);
-    let error = off_error.hypot(on_error);
-    assert!(error < 0.01 * off, "enough samples to tell: {off} within {error}");
-    assert!((on - off).abs() < 4.0 * error, "guided {on}, without {off}, standard error {error}");
+    variances_of_one_mean(&fog_below_lamp(2.0), |guiding| path(32, 32, 64, guiding), (8, 0.01));
 }
 
 #[test]

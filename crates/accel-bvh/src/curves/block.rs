@@ -4,7 +4,7 @@
 //! Invariant: a capsule holds that of its piece, and with it all hits. In lanes it is larger by twice the slack of boxes
 //! (`slab.rs`): the rounding of both its ends, seen along the ray, is below half of that. Tests: `tests`.
 
-use gnurt_accel_core::curve::{CurvePiece, RayFrame, RoughRay, Segment};
+use gnurt_accel_core::curve::{CurvePiece, Passing, RayFrame, RoughRay, Segment};
 use gnurt_accel_core::float::{least, most};
 use gnurt_simd::{Simd, f32x8, prefetch, prelude::*};
 
@@ -102,11 +102,7 @@ impl CurveBlock {
             let step = f32x8::splat(simd, self.step(k));
             *row = counts(simd, &self.ends[end], k as u32).mul_add(step, origin);
         }
-        let mut seen = from;
-        for (row, axis) in seen.iter_mut().zip(&ray.rough.axes) {
-            *row = from[0].mul_add(axis[0], from[1].mul_add(axis[1], from[2] * axis[2]));
-        }
-        seen
+        ray.rough.seen(from)
     }
 
     /// Lanes whose capsules the ray may meet within `[near, far]`, as bits, and the least lengths along the ray.
@@ -121,13 +117,7 @@ impl CurveBlock {
         let counts = bytes(simd, &self.radius);
         let radius = counts.mul_add(f32x8::splat(simd, self.step(3)), ray.slack);
         // Seen along the ray: it passes beside the chord, before its start or behind its end.
-        let step = [b[0] - a[0], b[1] - a[1]];
-        let square = step[0].mul_add(step[0], step[1] * step[1]);
-        let beside = a[0].mul_sub(step[1], a[1] * step[0]);
-        let before = a[0].mul_add(step[0], a[1] * step[1]);
-        let behind = -(b[0].mul_add(step[0], b[1] * step[1]));
-        let off = before.max(behind).max(beside.abs());
-        let is_near = (off * off).simd_le(radius * radius * square);
+        let is_near = Passing::new([a[0], a[1]], [b[0], b[1]]).is_near(radius);
         let length = ray.rough.length;
         let start = a[2].min(b[2]) - radius;
         let is_before = start.simd_le(f32x8::splat(simd, far * length));

@@ -18,7 +18,7 @@ mod tube;
 
 pub use input::{CurveBasis, CurveForm, Curves, OwnedCurves};
 pub use ray::{CurveHit, Offer, RayFrame};
-pub use rough::{Rough, RoughRay};
+pub use rough::{Passing, Rough, RoughRay};
 pub use segment::{CurvePiece, Segment};
 pub use starts::Starts;
 

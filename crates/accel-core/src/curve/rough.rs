@@ -6,7 +6,7 @@
 //! a vertex and 13 of the origin's, where units and slack are those of `slab.rs`.
 //! Tests: `tests`.
 
-use gnurt_simd::{Simd, f32x8, prelude::*};
+use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*};
 
 use super::input::{CurveBasis, CurveForm, Curves};
 use crate::slab::SLACK;
@@ -79,6 +79,51 @@ pub struct RoughRay<S: Simd> {
     pub length: f32,
 }
 
+impl<S: Simd> RoughRay<S> {
+    /// Offsets from the origin by the axes.
+    #[inline(always)]
+    pub fn seen(&self, from: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
+        let mut seen = from;
+        for (row, axis) in seen.iter_mut().zip(&self.axes) {
+            *row = from[0].mul_add(axis[0], from[1].mul_add(axis[1], from[2] * axis[2]));
+        }
+        seen
+    }
+}
+
+/// How a ray passes stretches, seen along it: each times the length of the stretch.
+#[derive(Clone, Copy)]
+pub struct Passing<S: Simd> {
+    /// The square of that length.
+    pub square: f32x8<S>,
+    /// Beside the line; its sign tells the side.
+    pub beside: f32x8<S>,
+    /// Before the start, and behind the end: below zero in between.
+    pub before: f32x8<S>,
+    pub behind: f32x8<S>,
+}
+
+impl<S: Simd> Passing<S> {
+    /// By the axes of the ray: the starts and the ends.
+    #[inline(always)]
+    pub fn new(a: [f32x8<S>; 2], b: [f32x8<S>; 2]) -> Self {
+        let step = [b[0] - a[0], b[1] - a[1]];
+        Self {
+            square: step[0].mul_add(step[0], step[1] * step[1]),
+            beside: a[0].mul_sub(step[1], a[1] * step[0]),
+            before: a[0].mul_add(step[0], a[1] * step[1]),
+            behind: -(b[0].mul_add(step[0], b[1] * step[1])),
+        }
+    }
+
+    /// Where the ray is no farther than the radius from the stretch, in each of these directions.
+    #[inline(always)]
+    pub fn is_near(&self, radius: f32x8<S>) -> mask32x8<S> {
+        let off = self.before.max(self.behind).max(self.beside.abs());
+        (off * off).simd_le(radius * radius * self.square)
+    }
+}
+
 /// Knowledge of a ray and a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rough {
@@ -124,13 +169,8 @@ impl Curves<'_> {
         let wider = bend * widest + radius * (1.0 / 63.0) + 2.0 * SLACK * (2.0 * greatest + ray.away);
         let at = |x: f32| f32x8::splat(simd, x);
         let radius = a[3].max(b[3]) + at(wider);
-        let step = [b[0] - a[0], b[1] - a[1]];
-        let square = step[0].mul_add(step[0], step[1] * step[1]);
-        let beside = a[0].mul_sub(step[1], a[1] * step[0]);
-        let before = a[0].mul_add(step[0], a[1] * step[1]);
-        let behind = -(b[0].mul_add(step[0], b[1] * step[1]));
-        let off = before.max(behind).max(beside.abs());
-        let is_near = (off * off).simd_le(radius * radius * square);
+        let passing = Passing::new([a[0], a[1]], [b[0], b[1]]);
+        let is_near = passing.is_near(radius);
         let (nearest, farthest) = (a[2].min(b[2]), a[2].max(b[2]));
         let (near, far) = (at(near * ray.length), at(far * ray.length));
         let is_here = (nearest - radius).simd_le(far) & (farthest + radius).simd_ge(near);
@@ -138,6 +178,7 @@ impl Curves<'_> {
             return Rough::Missed;
         }
         if is_any && self.form == CurveForm::Round {
+            let Passing { square, beside, before, behind } = passing;
             // A point of the ray is inside of a circle, well away from the part's ends. So the ray comes in and goes out, both
             // beside stretches of the part, as it is not too much along them.
             let inner = a[3].min(b[3]).mul_sub(at(0.875), at(wider));
@@ -189,11 +230,8 @@ fn seen<S: Simd>(
     }
     let [x, y, z, radius] = points;
     let from = [x - ray.org[0], y - ray.org[1], z - ray.org[2]];
-    let mut seen = [radius; 4];
-    for (row, axis) in seen.iter_mut().zip(&ray.axes) {
-        *row = from[0].mul_add(axis[0], from[1].mul_add(axis[1], from[2] * axis[2]));
-    }
-    seen
+    let [across, up, along] = ray.seen(from);
+    [across, up, along, radius]
 }
 
 #[cfg(test)]

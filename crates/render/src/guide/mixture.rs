@@ -83,26 +83,38 @@ impl<'a, R: Real> Mixture<'a, R> {
         R::pick(is, of_lobes * self.share.rest() + of_guide * self.share, of_lobes)
     }
 
+    /// Points whose directions the guide chooses, by a number in [0, 1), and those where it could; and the number that is left for the rest.
+    #[inline(always)]
+    fn choose(&self, choice: R) -> ([R::Mask; 2], R) {
+        let (by_guide, is) = (self.share.above(choice), self.share.above_all(0.0));
+        let rest = ((choice - self.share) / self.share.rest()).within(0.0, 0.999_999_9);
+        ([by_guide, is], R::pick(is, rest, choice))
+    }
+
+    /// Directions of the guide at the points in the mask.
+    #[inline(always)]
+    fn of_guide(&self, by_guide: R::Mask, [x, y]: [R; 2]) -> Vector<R> {
+        let [dx, dy, dz] = x.each_where(
+            by_guide,
+            #[inline(always)]
+            |i| self.guide.sample(self.roots[i], [x.lane(i), y.lane(i)]).into(),
+        );
+        Vector::new(dx, dy, dz)
+    }
+
     /// Chooses where paths go on; numbers as for [`Prepared::sample`]. Returns the density of the lobes alone as well.
     #[inline(always)]
     pub(crate) fn sample(&self, prepared: &Prepared<R>, [choice, x, y]: [R; 3]) -> (Sampled<R>, R) {
         let zero = choice.all(0.0);
-        let by_guide = self.share.above(choice);
-        let rest = ((choice - self.share) / self.share.rest()).within(0.0, 0.999_999_9);
-        let is = self.share.above(zero);
-        let mut chosen = prepared.sample([R::pick(is, rest, choice), x, y]);
+        let ([by_guide, is], rest) = self.choose(choice);
+        let mut chosen = prepared.sample([rest, x, y]);
         if !R::any(is) {
             return (chosen, chosen.pdf);
         }
         let mut of_lobes = chosen.pdf;
         let mut value = chosen.weight * R::pick(chosen.delta, zero, chosen.pdf);
         if R::any(by_guide) {
-            let [dx, dy, dz] = choice.each_where(
-                by_guide,
-                #[inline(always)]
-                |i| self.guide.sample(self.roots[i], [x.lane(i), y.lane(i)]).into(),
-            );
-            let wi = Vector::pick(by_guide, Vector::new(dx, dy, dz), chosen.wi);
+            let wi = Vector::pick(by_guide, self.of_guide(by_guide, [x, y]), chosen.wi);
             let (seen, density) = prepared.eval_pdf(wi);
             value = Vector::pick(by_guide, seen, value);
             of_lobes = R::pick(by_guide, density, of_lobes);
@@ -131,17 +143,10 @@ impl<'a, R: Real> Mixture<'a, R> {
         along: Vector<R>,
         [choice, x, y]: [R; 3],
     ) -> (Vector<R>, R, R) {
-        let zero = choice.all(0.0);
-        let (by_guide, is) = (self.share.above(choice), self.share.above(zero));
-        let rest = ((choice - self.share) / self.share.rest()).within(0.0, 0.999_999_9);
-        let (mut dir, mut value) = phase.sample(along, [R::pick(is, rest, choice), x, y]);
+        let ([by_guide, is], rest) = self.choose(choice);
+        let (mut dir, mut value) = phase.sample(along, [rest, x, y]);
         if R::any(by_guide) {
-            let [dx, dy, dz] = choice.each_where(
-                by_guide,
-                #[inline(always)]
-                |i| self.guide.sample(self.roots[i], [x.lane(i), y.lane(i)]).into(),
-            );
-            dir = Vector::pick(by_guide, Vector::new(dx, dy, dz), dir);
+            dir = Vector::pick(by_guide, self.of_guide(by_guide, [x, y]), dir);
             value = R::pick(by_guide, phase.value(along.dot(dir)), value);
         }
         (dir, self.pdf(is, dir, value), value)

@@ -258,16 +258,8 @@ fn scatter_lanes<W: Width>(
     };
     let mut spared = zero.all(1.0);
     if mixture.is_some() {
-        let of_paths = zero.each(
-            #[inline(always)]
-            |i| of.numbers.get(i).map_or(1.0, |&number| paths.spared_of(number as usize)),
-        );
-        spared = Mixture::spared(of_paths, [pdf, of_phase], there);
-        throughput = Vector::pick(
-            pdf.above(of_phase) | of_phase.above(pdf),
-            throughput * (of_phase / pdf),
-            throughput,
-        );
+        spared = Mixture::spared(of.spared(zero), [pdf, of_phase], there);
+        throughput = throughput * (of_phase / pdf);
     }
     let mut long = 0;
     for (i, &edges) in edges.iter().enumerate().take(lanes) {

@@ -145,6 +145,17 @@ pub(crate) struct Of<'a> {
     pub(crate) numbers: &'a [u32],
 }
 
+impl Of<'_> {
+    /// The factors by which roulette spares the paths of the points; 1 beyond them.
+    #[inline(always)]
+    pub(super) fn spared<R: Real>(&self, like: R) -> R {
+        like.each(
+            #[inline(always)]
+            |i| self.numbers.get(i).map_or(1.0, |&number| self.paths.spared_of(number as usize)),
+        )
+    }
+}
+
 impl Paths {
     pub(crate) fn is_empty(&self) -> bool {
         self.count == 0

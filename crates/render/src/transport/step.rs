@@ -585,11 +585,7 @@ fn go_on<R: Real>(
     // Guided paths carry less where more of them go. Roulette decides by the load that they would have without a guide.
     let mut spared = one;
     if mixture.is_some() {
-        let of_paths = zero.each(
-            #[inline(always)]
-            |i| number_of(of, i).map_or(1.0, |number| met.paths.spared_of(number)),
-        );
-        spared = Mixture::spared(of_paths, [chosen.pdf, of_lobes], !chosen.delta);
+        spared = Mixture::spared(of.spared(zero), [chosen.pdf, of_lobes], !chosen.delta);
     }
     let mut long = 0;
     for (i, &edges) in edges.iter().enumerate().take(R::LANES) {
