@@ -90,7 +90,7 @@ pub(crate) fn illuminate_in(
         return;
     }
     let counts = match world.lights().part(light) {
-        LightPart::Triangles(triangles) => {
+        LightPart::Shapes(triangles) => {
             let mut normal = Vec3s::default();
             (0..hits.len()).for_each(|i| normal.push(hits.facing_ns(i)));
             let purpose = purpose::LIGHT + light as u32;
@@ -98,7 +98,7 @@ pub(crate) fn illuminate_in(
                 hits.key.iter().map(|&key| tracer.random(key, hits.depth, purpose)).collect();
             let nothing = Names::default();
             let counts = |triangle: u32| {
-                let [leaf, mesh, _] = world.lights().triangle_ids()[triangle as usize];
+                let [leaf, mesh, _] = world.lights().shape_ids()[triangle as usize];
                 let material = known.materials.get(world.material_of(leaf, mesh) as usize);
                 let instance = world.tree().instance_at(leaf).and_then(|(id, _)| known.instances.get(&id));
                 has_category(&[instance.unwrap_or(&nothing), material.unwrap_or(&nothing)])

@@ -69,7 +69,7 @@ impl Classes {
         }
         let nothing = Names::default();
         let mut of_mesh = HashMap::new();
-        for &[leaf, mesh, _] in world.lights().triangle_ids() {
+        for &[leaf, mesh, _] in world.lights().shape_ids() {
             let class = *of_mesh.entry((leaf, mesh)).or_insert_with(|| {
                 let material = known.materials.get(world.material_of(leaf, mesh) as usize);
                 let instance = world.tree().instance_at(leaf).and_then(|(id, _)| known.instances.get(&id));
@@ -101,7 +101,7 @@ impl Classes {
 
     /// A ray along `dir` found emission on a triangle: leaf, mesh, number.
     pub(crate) fn surface(&self, lights: &LightSet, ids: [u32; 3], dir: Vec3, material: u32) -> End {
-        match lights.triangle(ids, dir) {
+        match lights.shape(ids, dir) {
             Some(triangle) => self.light(LightId(triangle), lights),
             None => End::emission(self.emission.get(material as usize).copied().unwrap_or(self.unnamed)),
         }

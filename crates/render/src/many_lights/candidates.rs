@@ -229,7 +229,7 @@ fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numb
     let [u, v] = numbers(path, EYE_EDGE, pair::POSITION);
     let point = end.point;
     let sample = lights.sample(point.p, Vec3::ZERO, [emitter_choice, u, v])?;
-    let LightKind::Triangle(triangle) = lights.kind(sample.light) else { return None };
+    let LightKind::Shape(triangle) = lights.kind(sample.light) else { return None };
     if !is_lit(&point, sample.dir) {
         return None;
     }

@@ -453,12 +453,12 @@ fn emitted(tracer: &BatchTracer, walk: &Walk, vertex: &Vertex, radiance: &mut Ve
         return;
     }
     let lane = walk.lane as usize;
-    let light = lights.triangle(vertex.ids, -vertex.wo);
+    let light = lights.shape(vertex.ids, -vertex.wo);
     let pdf = walk.last.map_or(0.0, |last| {
         let dist = (vertex.point.p - last.point.p).length();
         light
             .filter(|_| !vertex.is_final)
-            .map_or(0.0, |light| lights.pdf_triangle(last.point.p, last.side, light, -vertex.wo, dist))
+            .map_or(0.0, |light| lights.pdf_shape(last.point.p, last.side, light, -vertex.wo, dist))
     });
     // Light samples find the described emission, without the additional radiance of a probed shader.
     let shown = vertex.shown;

@@ -207,7 +207,7 @@ pub(crate) fn trace(
                 is_endless: matches!(ray.kind, LightKind::Directional(_) | LightKind::Environment),
                 absorption: Vec3::ZERO,
                 emitter_choice: match ray.kind {
-                    LightKind::Triangle(triangle) => Some((triangle, ray.normal)),
+                    LightKind::Shape(triangle) => Some((triangle, ray.normal)),
                     _ => None,
                 },
                 plugin: None,
@@ -246,7 +246,7 @@ pub(crate) fn trace(
                 connectable: walk.smooth && per_area.is_finite(),
                 reverse: walk.emitter_choice.map_or(1.0, |(triangle, normal)| {
                     let dist = (walk.origin - point.p).length();
-                    let visible = lights.pdf_triangle(point.p, Vec3::ZERO, triangle, from, dist);
+                    let visible = lights.pdf_shape(point.p, Vec3::ZERO, triangle, from, dist);
                     visible * normal.dot(from).abs() / (dist * dist)
                 }),
                 survival,

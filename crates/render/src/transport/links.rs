@@ -34,7 +34,7 @@ impl LightLinks {
         }
         let mut made = Self { of_light: Vec::new(), sets: vec![Vec::new()] };
         let mut last = ([u32::MAX; 2], [0; 2]);
-        for &[leaf, mesh, _] in world.lights().triangle_ids() {
+        for &[leaf, mesh, _] in world.lights().shape_ids() {
             if last.0 != [leaf, mesh] {
                 let instance = world.tree().instance_at(leaf).and_then(|(id, _)| labels.instances.get(&id));
                 let material = labels.materials.get(world.material_of(leaf, mesh) as usize);

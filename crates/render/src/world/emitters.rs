@@ -15,7 +15,7 @@ use gnurt_shading::lights as shading;
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::material_table::MaterialTable;
 use super::object::WorldObject;
-use super::shader_emission::{EmissionTriangle, ShaderEmission};
+use super::shader_emission::{EmissionShape, ShaderEmission};
 use super::transform::Transform;
 
 /// The input of the search for emissive triangles.
@@ -32,7 +32,7 @@ pub(super) struct Shown<'a> {
 /// All emissive triangles.
 #[derive(Default)]
 pub(super) struct Emitters {
-    pub(super) triangles: Option<Arc<shading::TriangleLights>>,
+    pub(super) triangles: Option<Arc<shading::ShapeLights>>,
     /// Object (by its number in the tree over instances), mesh and triangle of each of them, ascending; twice
     /// if both sides emit.
     pub(super) ids: Arc<Vec<[u32; 3]>>,
@@ -43,9 +43,9 @@ pub(super) struct Emitters {
 /// Triangles that may emit: leaf, mesh and triangle of each, and the data of those whose shaders are queried.
 #[derive(Default)]
 struct Found {
-    triangles: Vec<shading::EmissiveTriangle>,
+    triangles: Vec<shading::EmissiveShape>,
     ids: Vec<[u32; 3]>,
-    glowing: Vec<Option<EmissionTriangle>>,
+    glowing: Vec<Option<EmissionShape>>,
 }
 
 /// Instances that a thread asks at a time whether they emit.
@@ -138,7 +138,7 @@ impl Emitters {
             (found.triangles, found.ids, shader_emission.triangles) = (triangles, ids, glowing);
             shaders = Some(Arc::new(shader_emission));
         }
-        match shading::TriangleLights::new(found.triangles, emitters, shaders) {
+        match shading::ShapeLights::new(found.triangles, emitters, shaders) {
             Some(lights) => {
                 Self { triangles: Some(Arc::new(lights)), ids: Arc::new(found.ids), instances: emissive }
             }
@@ -175,7 +175,7 @@ impl Found {
                         each_side(at, mesh, prim_id, of_material, |side, by_shader| {
                             let (emitter, is_turned) = (side.emitter, side.is_turned);
                             let queried =
-                                by_shader.then_some(EmissionTriangle { met, inst_id, emitter, is_turned });
+                                by_shader.then_some(EmissionShape { met, inst_id, emitter, is_turned });
                             found.push((side, (ids, queried)));
                         });
                     }
@@ -225,7 +225,7 @@ fn each_side<'e>(
     mesh: (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
     prim_id: usize,
     emitters: impl ExactSizeIterator<Item = (u32, &'e shading::Emitter)>,
-    mut with: impl FnMut(shading::EmissiveTriangle, bool),
+    mut with: impl FnMut(shading::EmissiveShape, bool),
 ) {
     let has_both = emitters.len() == 2;
     for (side, of) in emitters.enumerate() {
@@ -246,7 +246,7 @@ fn triangle(
     (mesh, keys, time): (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
     prim_id: usize,
     (emitter, of): (u32, &shading::Emitter),
-) -> Option<shading::EmissiveTriangle> {
+) -> Option<shading::EmissiveShape> {
     let mut corners = mesh.indices[prim_id].map(|i| i as usize);
     if instance_index.mirrors {
         corners.swap(1, 2);
@@ -268,13 +268,13 @@ fn triangle(
     let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
     let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
     let brightness = of.mean_over(&uv, opacity);
-    Some(shading::EmissiveTriangle { p, is_turned: instance_index.mirrors, uv, opacity, emitter, brightness })
+    Some(shading::EmissiveShape { p, is_turned: instance_index.mirrors, uv, opacity, emitter, brightness })
 }
 
 /// The other side of a triangle.
-fn turned(mut front: shading::EmissiveTriangle) -> shading::EmissiveTriangle {
+fn turned(mut front: shading::EmissiveShape) -> shading::EmissiveShape {
     front.p.swap(1, 2);
     front.uv.swap(1, 2);
     front.opacity.swap(1, 2);
-    shading::EmissiveTriangle { is_turned: !front.is_turned, ..front }
+    shading::EmissiveShape { is_turned: !front.is_turned, ..front }
 }

@@ -62,7 +62,7 @@ pub(crate) struct Lights {
 #[derive(Clone, Copy)]
 pub(crate) enum LightPart<'a> {
     /// All emissive triangles.
-    Triangles(&'a shading::TriangleLights),
+    Shapes(&'a shading::ShapeLights),
     /// A light without extent, by its number in the scene's order.
     WithoutExtent(usize),
     /// One of the shader table.
@@ -101,9 +101,9 @@ impl Lights {
 
     /// The part of the lights that the light of this number among `shaders` is.
     pub(crate) fn part(&self, light: usize) -> LightPart<'_> {
-        let first = usize::from(self.parts.triangles.is_some());
-        match &self.parts.triangles {
-            Some(triangles) if light == 0 => LightPart::Triangles(triangles),
+        let first = usize::from(self.parts.shapes.is_some());
+        match &self.parts.shapes {
+            Some(triangles) if light == 0 => LightPart::Shapes(triangles),
             _ if light < self.plugins.start => LightPart::WithoutExtent(light - first),
             _ if light < self.plugins.end => LightPart::Plugin,
             _ => LightPart::Environment,
@@ -111,7 +111,7 @@ impl Lights {
     }
 
     /// Leaf, mesh and triangle of the emissive triangles, as a light set numbers them.
-    pub(crate) fn triangle_ids(&self) -> &[[u32; 3]] {
+    pub(crate) fn shape_ids(&self) -> &[[u32; 3]] {
         &self.emitters.ids
     }
 
@@ -201,8 +201,8 @@ impl Lights {
         map: ColorMap,
     ) -> Self {
         let mut parts = shading::LightParts {
-            triangles: emitters.triangles.clone(),
-            triangle_ids: emitters.ids.clone(),
+            shapes: emitters.triangles.clone(),
+            shape_ids: emitters.ids.clone(),
             environment: own_environment.clone(),
             bounds,
             ..Default::default()
@@ -211,7 +211,7 @@ impl Lights {
             |light: &&Light| !matches!(light, Light::Environment { .. } | Light::Backdrop { .. });
         let punctual: Vec<Light> = lights.iter().filter(is_punctual).cloned().collect();
         let mut shaders: Vec<Arc<dyn LightShader>> = Vec::new();
-        if let Some(triangles) = &parts.triangles {
+        if let Some(triangles) = &parts.shapes {
             shaders.push(triangles.clone());
         }
         shaders.extend(punctual.iter().filter_map(|light| without_extent(light, &mut parts, map)));

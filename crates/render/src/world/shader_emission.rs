@@ -16,7 +16,7 @@ use gnurt_image::srgb::luminance;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::lights::{
-    EmissiveTriangle, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, looking_at,
+    EmissiveShape, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, looking_at,
 };
 use gnurt_shading::sampling::{self, Basis, cosine_hemisphere};
 use gnurt_shading::{Detail, SampleKey, SurfaceBatch};
@@ -37,7 +37,7 @@ const TOGETHER: usize = 64;
 
 /// A triangle that may emit.
 #[derive(Clone, Copy)]
-pub(super) struct EmissionTriangle {
+pub(super) struct EmissionShape {
     /// Instance, object in the instance, mesh, triangle; the instance by its index in
     /// `ShaderEmission::instances`.
     pub(super) met: [u32; 4],
@@ -52,7 +52,7 @@ pub(super) struct EmissionTriangle {
 /// The evaluation of their emission.
 pub(super) struct ShaderEmission {
     /// By number of the emissive triangle; `None` = another emitter's.
-    pub(super) triangles: Vec<Option<EmissionTriangle>>,
+    pub(super) triangles: Vec<Option<EmissionShape>>,
     /// Instances that have some of them.
     pub(super) instances: SharedList<InstanceSlot>,
     pub(super) emitters: Vec<Arc<Emitter>>,
@@ -77,14 +77,14 @@ thread_local! {
 
 impl EmitterShaders for ShaderEmission {
     fn radiance(&self, requests: &[EmitterPoint], out: &mut [Vec3]) {
-        let emissions: Vec<Option<EmissionTriangle>> =
+        let emissions: Vec<Option<EmissionShape>> =
             requests.iter().map(|at| self.triangles[at.triangle as usize]).collect();
         let emitter_of = |i: usize| emissions[i].map(|shader_emission| shader_emission.emitter);
         let mut left: Vec<usize> = (0..requests.len()).filter(|&i| emissions[i].is_some()).collect();
         while let Some(emitter) = left.first().and_then(|&i| emitter_of(i)) {
             let (these, others) =
                 left.iter().partition::<Vec<usize>, _>(|&&i| emitter_of(i) == Some(emitter));
-            let emitter_points: Vec<(EmissionTriangle, EmitterPoint)> =
+            let emitter_points: Vec<(EmissionShape, EmitterPoint)> =
                 these.iter().filter_map(|&i| Some((emissions[i]?, requests[i]))).collect();
             self.query(emitter, &emitter_points, |k, radiance| out[these[k]] = radiance);
             left = others;
@@ -97,7 +97,7 @@ impl ShaderEmission {
     fn query(
         &self,
         emitter: u32,
-        emitter_points: &[(EmissionTriangle, EmitterPoint)],
+        emitter_points: &[(EmissionShape, EmitterPoint)],
         mut with: impl FnMut(usize, Vec3),
     ) {
         let Some(shader) = self.emitters[emitter as usize].shader() else { return };
@@ -149,13 +149,13 @@ impl ShaderEmission {
 
     /// Sets the brightness of the triangles with shaders, and returns which of all triangles emit: sides that
     /// were dark at all queried points do not.
-    pub(super) fn probe(&self, triangles: &mut [EmissiveTriangle]) -> Vec<bool> {
+    pub(super) fn probe(&self, triangles: &mut [EmissiveShape]) -> Vec<bool> {
         // For each emitter, both sides: how many triangles, area, brightness by area.
         let mut sides = vec![[(0_usize, 0.0_f64, 0.0_f64); 2]; self.emitters.len()];
         let side_of = |i: usize| {
             self.triangles[i].map(|shader_emission| (shader_emission.emitter as usize, self.is_back(i)))
         };
-        let area = |t: &EmissiveTriangle| f64::from((t.p[1] - t.p[0]).cross(t.p[2] - t.p[0]).length());
+        let area = |t: &EmissiveShape| f64::from((t.p[1] - t.p[0]).cross(t.p[2] - t.p[0]).length());
         for (emitter, back) in (0..triangles.len()).filter_map(side_of) {
             sides[emitter][usize::from(back)].0 += 1;
         }
@@ -193,7 +193,7 @@ impl ShaderEmission {
     }
 
     /// Mean brightness over all positions and, by their cosines, all directions.
-    fn mean_of(&self, number: usize, triangle: &EmissiveTriangle, probes: usize) -> f32 {
+    fn mean_of(&self, number: usize, triangle: &EmissiveShape, probes: usize) -> f32 {
         let Some(shader_emission) = self.triangles[number] else { return 0.0 };
         let normal = (triangle.p[1] - triangle.p[0]).cross(triangle.p[2] - triangle.p[0]).normalize_or_zero();
         let frame = Basis::around(normal);

@@ -136,7 +136,7 @@ pub trait EmitterShaders: Send + Sync {
 
 /// An emissive triangle, world space.
 #[derive(Clone, Debug)]
-pub struct EmissiveTriangle {
+pub struct EmissiveShape {
     /// Vertices, counter-clockwise seen from the emitting side.
     pub p: [Vec3; 3],
     /// Whether its second corner is the mesh's third, and vice versa.
@@ -152,8 +152,8 @@ pub struct EmissiveTriangle {
 }
 
 /// One light of many triangles.
-pub struct TriangleLights {
-    triangles: Vec<EmissiveTriangle>,
+pub struct ShapeLights {
+    triangles: Vec<EmissiveShape>,
     /// The data for choices, for each triangle.
     pub(super) shapes: Vec<Shape>,
     emitters: Vec<Arc<Emitter>>,
@@ -177,7 +177,7 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    fn new(triangle: &EmissiveTriangle) -> Self {
+    fn new(triangle: &EmissiveShape) -> Self {
         let p = triangle.p.map(Vec3::as_dvec3);
         let cross = (p[1] - p[0]).cross(p[2] - p[0]);
         let area = (0.5 * cross.length()) as f32;
@@ -239,17 +239,17 @@ impl Arriving {
     }
 }
 
-impl TriangleLights {
+impl ShapeLights {
     /// `None` if no triangle emits. Panics if a triangle names an emitter that is not there.
     #[must_use]
     pub fn new(
-        triangles: Vec<EmissiveTriangle>,
+        triangles: Vec<EmissiveShape>,
         emitters: Vec<Arc<Emitter>>,
         shaders: Option<Arc<dyn EmitterShaders>>,
     ) -> Option<Self> {
         let last = triangles.iter().map(|t| t.emitter as usize).max();
         assert!(last < Some(emitters.len()), "emitter {last:?} of {}", emitters.len());
-        let power = |t: &EmissiveTriangle| double_area(t) * f64::from(t.brightness);
+        let power = |t: &EmissiveShape| double_area(t) * f64::from(t.brightness);
         let distribution = Distribution::new(triangles.iter().map(power))?;
         let shapes = triangles.iter().map(Shape::new).collect();
         Some(Self { triangles, shapes, emitters, shaders, distribution })
@@ -359,7 +359,7 @@ impl TriangleLights {
         let emitter = |at: &EmitterPoint| &self.emitters[triangle(at).emitter as usize];
         let mut of_shaders = false;
         for (at, out) in requests.iter().zip(out.iter_mut()) {
-            let EmissiveTriangle { uv, opacity, .. } = triangle(at);
+            let EmissiveShape { uv, opacity, .. } = triangle(at);
             of_shaders |= emitter(at).shader.is_some();
             *out = emitter(at).radiance(uv, *opacity, at.position);
         }
@@ -389,7 +389,7 @@ impl TriangleLights {
     }
 }
 
-impl LightShader for TriangleLights {
+impl LightShader for ShapeLights {
     fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
         for (i, &random) in random.iter().enumerate() {
             if let Some(found) = self.sample(p.get(i), normal.get(i), random) {
@@ -403,7 +403,7 @@ impl LightShader for TriangleLights {
     }
 }
 
-fn double_area(t: &EmissiveTriangle) -> f64 {
+fn double_area(t: &EmissiveShape) -> f64 {
     let p = t.p.map(Vec3::as_dvec3);
     (p[1] - p[0]).cross(p[2] - p[0]).length()
 }
@@ -419,11 +419,11 @@ mod tests {
     use crate::sampling::sample_pair;
 
     /// A 2 x 2 square at height 1 that emits downwards, as two triangles of which one is cut in two.
-    fn square() -> TriangleLights {
+    fn square() -> ShapeLights {
         let corner = |x, y| Vec3::new(x, y, 1.0);
         let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
         let middle = corner(0.0, 0.0);
-        let triangles = [[a, b, c], [a, middle, d], [middle, c, d]].map(|p| EmissiveTriangle {
+        let triangles = [[a, b, c], [a, middle, d], [middle, c, d]].map(|p| EmissiveShape {
             p,
             is_turned: false,
             uv: [[0.0; 2]; 3],
@@ -432,11 +432,11 @@ mod tests {
             brightness: 2.0,
         });
         let emission = Emission::constant(Vec3::new(1.0, 2.0, 3.0));
-        TriangleLights::new(triangles.into(), vec![Arc::new(Emitter::new(emission, None))], None)
+        ShapeLights::new(triangles.into(), vec![Arc::new(Emitter::new(emission, None))], None)
             .expect("it shines")
     }
 
-    fn irradiance(light: &TriangleLights, p: Vec3, up: Vec3) -> Vec3 {
+    fn irradiance(light: &ShapeLights, p: Vec3, up: Vec3) -> Vec3 {
         const N: u32 = 1 << 14;
         let sum = (0..N).fold(Vec3::ZERO, |sum, sample| {
             let random = sample_pair(0, SampleKey { pixel: 1, sample, branch: 0 }, 0, 0);
@@ -495,10 +495,10 @@ mod tests {
         (0..50).map(triangle_light).collect()
     }
 
-    fn light_of(corners: &[[Vec3; 3]]) -> Option<TriangleLights> {
+    fn light_of(corners: &[[Vec3; 3]]) -> Option<ShapeLights> {
         const BRIGHTNESS: [f32; 4] = [1.0, 5.0, 40.0, 2.0];
         let emit = |factor| Arc::new(Emitter::new(Emission::constant(factor), None));
-        let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveTriangle {
+        let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveShape {
             p,
             is_turned: false,
             uv: [[0.0; 2]; 3],
@@ -507,7 +507,7 @@ mod tests {
             brightness: BRIGHTNESS[i % 2 + i % 3],
         };
         let emitters = BRIGHTNESS.map(|x| emit(Vec3::splat(x)));
-        TriangleLights::new(corners.iter().enumerate().map(triangle).collect(), emitters.into(), None)
+        ShapeLights::new(corners.iter().enumerate().map(triangle).collect(), emitters.into(), None)
     }
 
     #[test]
@@ -549,7 +549,7 @@ mod tests {
     fn dark_or_flat_triangles_are_no_light() {
         let emission = Emission::constant(Vec3::ONE);
         let emitter = Arc::new(Emitter::new(emission, None));
-        let flat = EmissiveTriangle {
+        let flat = EmissiveShape {
             p: [Vec3::ZERO, Vec3::X, Vec3::X * 2.0],
             is_turned: false,
             uv: [[0.0; 2]; 3],
@@ -557,7 +557,7 @@ mod tests {
             emitter: 0,
             brightness: 1.0,
         };
-        assert!(TriangleLights::new(vec![flat], vec![emitter], None).is_none(), "no area, no light");
+        assert!(ShapeLights::new(vec![flat], vec![emitter], None).is_none(), "no area, no light");
     }
 
     #[test]

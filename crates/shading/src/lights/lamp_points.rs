@@ -38,8 +38,8 @@ impl LightSet {
     pub fn lamp_point(&self, light: LightId, u: [f32; 2]) -> Option<LampPoint> {
         let (mut uv, mut delta) = ([0.0; 2], true);
         let place = match self.kind(light) {
-            LightKind::Triangle(i) => {
-                let shape = &self.parts.triangles.as_ref()?.shapes[i as usize];
+            LightKind::Shape(i) => {
+                let shape = &self.parts.shapes.as_ref()?.shapes[i as usize];
                 (uv, delta) = (sampling::triangle(u), false);
                 Place::At(shape.point(uv) + shape.normal * shape.rounding(Vec3::ZERO))
             }
@@ -57,8 +57,8 @@ impl LightSet {
     #[must_use]
     pub fn intensity(&self, from: &LampPoint, dir: Vec3, dist: f32) -> Vec3 {
         match self.kind(from.light) {
-            LightKind::Triangle(i) => {
-                let Some(triangles) = &self.parts.triangles else { return Vec3::ZERO };
+            LightKind::Shape(i) => {
+                let Some(triangles) = &self.parts.shapes else { return Vec3::ZERO };
                 let shape = &triangles.shapes[i as usize];
                 let cos = -shape.normal.dot(dir);
                 if cos <= 0.0 {
@@ -81,8 +81,8 @@ impl LightSet {
     pub fn brightness(&self, light: LightId) -> f32 {
         let bright = |color: Vec3| luminance(color.into());
         match self.kind(light) {
-            LightKind::Triangle(i) => {
-                self.parts.triangles.as_ref().map_or(0.0, |triangles| triangles.shapes[i as usize].power)
+            LightKind::Shape(i) => {
+                self.parts.shapes.as_ref().map_or(0.0, |triangles| triangles.shapes[i as usize].power)
             }
             LightKind::Point(i) => bright(self.parts.points[i as usize].intensity),
             LightKind::Spot(i) => bright(self.parts.spots[i as usize].intensity),
@@ -94,19 +94,19 @@ impl LightSet {
     /// The area of an emissive triangle as it is seen along the unit direction `dir`; `None` for other lights.
     #[must_use]
     pub fn area_across(&self, light: LightId, dir: Vec3) -> Option<f32> {
-        let shape = self.parts.triangles.as_ref()?.shapes.get(light.0 as usize)?;
+        let shape = self.parts.shapes.as_ref()?.shapes.get(light.0 as usize)?;
         Some(shape.area * shape.normal.dot(dir).abs())
     }
 
     /// The corners of an emissive triangle.
     #[must_use]
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
-        self.parts.triangles.as_ref()?.shapes.get(triangle as usize).map(|shape| shape.p)
+        self.parts.shapes.as_ref()?.shapes.get(triangle as usize).map(|shape| shape.p)
     }
 
     /// The names of hits on emissive triangles, by light: leaf, mesh, triangle.
     #[must_use]
-    pub fn triangle_ids(&self) -> &[[u32; 3]] {
-        &self.parts.triangle_ids
+    pub fn shape_ids(&self) -> &[[u32; 3]] {
+        &self.parts.shape_ids
     }
 }

@@ -55,7 +55,7 @@ impl LightSet {
         let light = LightId(choice.index as u32);
         let kind = self.kind(light);
         let ray = match kind {
-            LightKind::Triangle(i) => self.emit_triangle(i, choice.probability, u_pos, u_dir),
+            LightKind::Shape(i) => self.emit_shape(i, choice.probability, u_pos, u_dir),
             LightKind::Point(i) => {
                 let point = &self.parts.points[i as usize];
                 let dir = uniform_sphere(u_dir);
@@ -100,7 +100,7 @@ impl LightSet {
     /// Density per area with which [`emit`](Self::emit) starts at a point of an emissive triangle.
     #[must_use]
     pub fn pdf_emit_position(&self, triangle: u32) -> f32 {
-        match (self.power(), &self.parts.triangles) {
+        match (self.power(), &self.parts.shapes) {
             (Some(power), Some(triangles)) => {
                 power.probability(triangle as usize) / triangles.shapes[triangle as usize].area
             }
@@ -108,8 +108,8 @@ impl LightSet {
         }
     }
 
-    fn emit_triangle(&self, index: u32, chosen: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
-        let triangles = self.parts.triangles.as_ref()?;
+    fn emit_shape(&self, index: u32, chosen: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
+        let triangles = self.parts.shapes.as_ref()?;
         let shape = &triangles.shapes[index as usize];
         let uv = sampling::triangle(u_pos);
         let (p, normal) = (shape.point(uv), shape.normal);
@@ -132,7 +132,7 @@ impl LightSet {
             emitted,
             pdf_pos: chosen / shape.area,
             pdf_dir: local.z / PI,
-            kind: LightKind::Triangle(index),
+            kind: LightKind::Shape(index),
             light: LightId(index),
         })
     }

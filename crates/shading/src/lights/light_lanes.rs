@@ -107,7 +107,7 @@ struct End<S: Simd> {
 impl LightLanes {
     /// `None` where the tree is empty or not all of triangles.
     pub(super) fn new(parts: &LightParts, tree: &LightTree) -> Option<Self> {
-        let lights = parts.triangles.as_ref()?;
+        let lights = parts.shapes.as_ref()?;
         if tree.is_empty() || !parts.points.is_empty() || !parts.spots.is_empty() {
             return None;
         }
@@ -161,7 +161,7 @@ impl LightLanes {
         // Chosen already, so that its power counts no more.
         let Aim { position: [b1, b2], dir, dist, density } = triangle_at(&row, zero).aim(p, [x, y], found);
         let mut radiance = Vec3x16::new(row[13], row[14], row[15]);
-        if let (false, Some(triangles)) = (self.uneven.is_empty(), &parts.triangles) {
+        if let (false, Some(triangles)) = (self.uneven.is_empty(), &parts.shapes) {
             let (mut requests, mut of) = ([EmitterPoint::default(); LANES], [0; LANES]);
             let mut count = 0;
             for i in LanesOf(found.to_bitmask()).filter(|&i| self.uneven[light[i] as usize]) {

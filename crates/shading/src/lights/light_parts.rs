@@ -9,7 +9,7 @@ use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
 use super::{
-    ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, SpotLight, TriangleLights,
+    ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, SpotLight, ShapeLights,
 };
 use crate::batch::SampleKey;
 use crate::sampling::{Basis, cosine_hemisphere, sample_pair, uniform_sphere};
@@ -22,7 +22,7 @@ pub struct LightId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightKind {
     /// A triangle that emits to one side.
-    Triangle(u32),
+    Shape(u32),
     /// From a point to all sides.
     Point(u32),
     /// From a point into a cone.
@@ -46,10 +46,10 @@ pub enum EnvironmentLight {
 #[derive(Clone, Default)]
 pub struct LightParts {
     /// Emissive triangles.
-    pub triangles: Option<Arc<TriangleLights>>,
+    pub shapes: Option<Arc<ShapeLights>>,
     /// The names of a hit on each of them: leaf (the instance's object), mesh and triangle; ascending, twice
     /// where both sides emit.
-    pub triangle_ids: Arc<Vec<[u32; 3]>>,
+    pub shape_ids: Arc<Vec<[u32; 3]>>,
     /// Lights without extent.
     pub points: Vec<PointLight>,
     /// Lights without extent.
@@ -158,7 +158,7 @@ impl EnvironmentLight {
 impl LightParts {
     /// Whether the lights with a position are identical.
     pub(super) fn same_near(&self, other: &Self) -> bool {
-        let same_triangles = match (&self.triangles, &other.triangles) {
+        let same_triangles = match (&self.shapes, &other.shapes) {
             (Some(one), Some(other)) => Arc::ptr_eq(one, other),
             (None, None) => true,
             _ => false,
@@ -166,12 +166,12 @@ impl LightParts {
         same_triangles && self.points == other.points && self.spots == other.spots
     }
 
-    pub(super) fn triangle_count(&self) -> usize {
-        self.triangles.as_ref().map_or(0, |triangles| triangles.len())
+    pub(super) fn shape_count(&self) -> usize {
+        self.shapes.as_ref().map_or(0, |triangles| triangles.len())
     }
 
     /// Lights with a position.
     pub(super) fn finite_count(&self) -> usize {
-        self.triangle_count() + self.points.len() + self.spots.len()
+        self.shape_count() + self.points.len() + self.spots.len()
     }
 }

@@ -3,7 +3,7 @@
 //! looked up where a ray hit one. Paths that start at lights: `light_emission`.
 //! Source: [EK18] (light tree), [PJH23] sections 6.5.3 (area to solid angle) and 12.5 (environments).
 //! Space: world. Densities are per solid angle at the shaded point, the choice between lights included.
-//! Invariants: `pdf_triangle` and `pdf_environment` are the densities of `sample` for the same point and
+//! Invariants: `pdf_shape` and `pdf_environment` are the densities of `sample` for the same point and
 //! normal. A zero normal requests all sides. Lights of shader plugins are excluded: they only have
 //! `illuminate`.
 //! Tests: `tests`, crates/render/tests/path.rs.
@@ -99,7 +99,7 @@ impl LightSet {
         type Kind = fn(u32) -> LightKind;
         let mut i = light.0;
         let kinds = [
-            (self.parts.triangle_count(), LightKind::Triangle as Kind),
+            (self.parts.shape_count(), LightKind::Shape as Kind),
             (self.parts.points.len(), LightKind::Point),
             (self.parts.spots.len(), LightKind::Spot),
             (self.parts.directionals.len(), LightKind::Directional),
@@ -116,13 +116,13 @@ impl LightSet {
     /// The number of the emissive triangle that a ray along `dir` hit, given leaf, mesh and triangle; for a
     /// two-sided one that of the hit side.
     #[must_use]
-    pub fn triangle(&self, met: [u32; 3], dir: Vec3) -> Option<u32> {
-        let ids = &self.parts.triangle_ids;
+    pub fn shape(&self, met: [u32; 3], dir: Vec3) -> Option<u32> {
+        let ids = &self.parts.shape_ids;
         let first = ids.partition_point(|ids| *ids < met);
         if ids.get(first) != Some(&met) {
             return None;
         }
-        let triangles = self.parts.triangles.as_ref()?;
+        let triangles = self.parts.shapes.as_ref()?;
         let is_behind = ids.get(first + 1) == Some(&met) && triangles.shapes[first].normal.dot(dir) > 0.0;
         Some((first + usize::from(is_behind)) as u32)
     }
@@ -175,8 +175,8 @@ impl LightSet {
             })
         };
         match self.kind(id) {
-            LightKind::Triangle(i) => {
-                let triangles = self.parts.triangles.as_ref()?;
+            LightKind::Shape(i) => {
+                let triangles = self.parts.shapes.as_ref()?;
                 let shape = &triangles.shapes[i as usize];
                 let Aim { position, dir, dist, density } = shape.seen().aim(p.into(), u, true);
                 let (dir, pdf) = (dir.into(), probability * density);
@@ -222,15 +222,15 @@ impl LightSet {
     /// Density with which [`sample`](Self::sample) finds emissive triangle `triangle` along the unit direction `dir`,
     /// `dist` away; 0 on its dark side.
     #[must_use]
-    pub fn pdf_triangle(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
-        let here = self.pdf_triangle_in_group(p, ns, triangle, dir, dist);
+    pub fn pdf_shape(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
+        let here = self.pdf_shape_in_group(p, ns, triangle, dir, dist);
         if here > 0.0 { self.group_share(0, p, ns) * here } else { 0.0 }
     }
 
     /// The same where its group was named.
     #[must_use]
-    pub fn pdf_triangle_in_group(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
-        let Some(triangles) = &self.parts.triangles else { return 0.0 };
+    pub fn pdf_shape_in_group(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
+        let Some(triangles) = &self.parts.shapes else { return 0.0 };
         let shape = &triangles.shapes[triangle as usize];
         let here = shape.seen().density(p.into(), dir.into(), dist);
         if here <= 0.0 {
@@ -243,8 +243,8 @@ impl LightSet {
     /// Radiance of emissive triangle `triangle` against a ray along `dir` that came `distance` far and hit it at these
     /// weights of the mesh's second and third corner.
     #[must_use]
-    pub fn radiance_of_triangle(&self, triangle: u32, met: [f32; 2], dir: Vec3, distance: f32) -> Vec3 {
-        let triangles = self.parts.triangles.as_ref();
+    pub fn radiance_of_shape(&self, triangle: u32, met: [f32; 2], dir: Vec3, distance: f32) -> Vec3 {
+        let triangles = self.parts.shapes.as_ref();
         triangles.map_or(Vec3::ZERO, |all| all.radiance_where_met(triangle as usize, met, dir, distance))
     }
 
@@ -284,7 +284,7 @@ impl LightSet {
             let contribution = intensity(-dir) * cos / distance2;
             if contribution.is_finite() { contribution } else { 0.0 }
         };
-        if let Some(triangles) = &self.parts.triangles
+        if let Some(triangles) = &self.parts.shapes
             && let Some(shape) = triangles.shapes.get(light as usize)
         {
             return shape.contribution(p, ns);
@@ -300,7 +300,7 @@ impl LightSet {
                 from_point(spot.position, &|away| brightness * spot.falloff(away.dot(spot.axis)))
             }
             // Triangles were above; the others have no position.
-            LightKind::Triangle(_) | LightKind::Directional(_) | LightKind::Environment => 0.0,
+            LightKind::Shape(_) | LightKind::Directional(_) | LightKind::Environment => 0.0,
         }
     }
 }
@@ -336,7 +336,7 @@ fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
         cos_emission: 0.0,
         power: luminance(intensity.into()),
     };
-    let triangles = parts.triangles.iter().flat_map(|triangles| triangles.shapes.iter().map(triangle));
+    let triangles = parts.shapes.iter().flat_map(|triangles| triangles.shapes.iter().map(triangle));
     let points = parts.points.iter().map(|light| at(light.position, light.intensity));
     let spots = parts.spots.iter().map(|light| LightBounds {
         axis: light.axis,
@@ -355,7 +355,7 @@ fn bright(color: Vec3) -> f64 {
 fn near_powers(parts: &LightParts) -> impl Iterator<Item = f64> + '_ {
     let pi = f64::from(PI);
     let triangles =
-        parts.triangles.iter().flat_map(move |t| t.shapes.iter().map(move |s| pi * f64::from(s.power)));
+        parts.shapes.iter().flat_map(move |t| t.shapes.iter().map(move |s| pi * f64::from(s.power)));
     let points = parts.points.iter().map(move |light| 4.0 * pi * bright(light.intensity));
     let spots = parts
         .spots

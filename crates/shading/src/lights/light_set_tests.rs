@@ -22,13 +22,13 @@ fn numbers(sample: u32) -> [f32; 3] {
     [c, a, b]
 }
 
-fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<TriangleLights>> {
+fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<ShapeLights>> {
     let emitter = |&x: &f32| {
         let emission = Emission::constant(Vec3::new(x, 2.0 * x, 3.0 * x));
         Arc::new(Emitter::new(emission, None))
     };
     let emitters: Vec<_> = radiance.iter().map(emitter).collect();
-    let list = corners.iter().enumerate().map(|(i, &p)| EmissiveTriangle {
+    let list = corners.iter().enumerate().map(|(i, &p)| EmissiveShape {
         is_turned: false,
         opacity: [1.0; 3],
         p,
@@ -36,14 +36,14 @@ fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<TriangleLigh
         emitter: (i % radiance.len()) as u32,
         brightness: emitters[i % radiance.len()].mean_over(&[[0.0; 2]; 3], [1.0; 3]),
     });
-    TriangleLights::new(list.collect(), emitters.clone(), None).map(Arc::new)
+    ShapeLights::new(list.collect(), emitters.clone(), None).map(Arc::new)
 }
 
 fn set(parts: LightParts) -> LightSet {
-    let triangle_ids =
-        Arc::new((0..parts.triangles.as_ref().map_or(0, |t| t.len() as u32)).map(|i| [0, 0, i]).collect());
+    let shape_ids =
+        Arc::new((0..parts.shapes.as_ref().map_or(0, |t| t.len() as u32)).map(|i| [0, 0, i]).collect());
     LightSet::new(
-        LightParts { triangle_ids, bounds: [Vec3::splat(-2.0), Vec3::splat(2.0)], ..parts },
+        LightParts { shape_ids, bounds: [Vec3::splat(-2.0), Vec3::splat(2.0)], ..parts },
         Threads::Single,
     )
 }
@@ -85,7 +85,7 @@ fn everything() -> LightSet {
     };
     let emissive_triangles: Vec<_> = (0..48).map(emissive_triangle).collect();
     set(LightParts {
-        triangles: triangles(&emissive_triangles, &[1.0, 5.0, 20.0]),
+        shapes: triangles(&emissive_triangles, &[1.0, 5.0, 20.0]),
         points: vec![PointLight { position: Vec3::new(0.5, 0.0, 2.0), intensity: Vec3::ONE }],
         spots: SpotLight::new(Vec3::new(0.0, 1.0, 2.0), -Vec3::Z, Vec3::ONE, 0.3, 0.6).into_iter().collect(),
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
@@ -96,7 +96,7 @@ fn everything() -> LightSet {
 
 #[test]
 fn rectangle_has_its_closed_form() {
-    let lights = set(LightParts { triangles: triangles(&square(), &[1.0]), ..LightParts::default() });
+    let lights = set(LightParts { shapes: triangles(&square(), &[1.0]), ..LightParts::default() });
     let corner = 1.0_f64 / 2.0_f64.sqrt();
     let exact = 4.0 * corner * corner.atan();
     let found = irradiance(&lights, Vec3::ZERO, Vec3::Z, 1 << 14);
@@ -132,11 +132,11 @@ fn many_emitters_add_up() {
     let radiance = [1.0, 5.0, 40.0, 2.0, 0.1];
     for (p, up) in [(Vec3::ZERO, Vec3::Z), (Vec3::new(3.0, 1.0, 0.5), Vec3::new(0.6, 0.0, 0.8))] {
         let all =
-            set(LightParts { triangles: triangles(&emissive_triangles, &radiance), ..LightParts::default() });
+            set(LightParts { shapes: triangles(&emissive_triangles, &radiance), ..LightParts::default() });
         let joint = irradiance(&all, p, up, 1 << 15).x;
         let one = |i: usize| {
             let single = triangles(&emissive_triangles[i..=i], &radiance[i % 5..=i % 5]);
-            irradiance(&set(LightParts { triangles: single, ..LightParts::default() }), p, up, 1 << 10).x
+            irradiance(&set(LightParts { shapes: single, ..LightParts::default() }), p, up, 1 << 10).x
         };
         let exact: f32 = (0..50).map(one).sum();
         assert!((joint / exact - 1.0).abs() < 5e-3, "{joint} instead of {exact}");
@@ -160,9 +160,9 @@ fn densities_are_those_of_samples() {
         let mut hits_by_kind = [0_u32; 5];
         for s in (0..4096).filter_map(|i| lights.sample(p, n, numbers(i))) {
             let reported = match lights.kind(s.light) {
-                LightKind::Triangle(i) => {
+                LightKind::Shape(i) => {
                     hits_by_kind[0] += 1;
-                    lights.pdf_triangle(p, n, i, s.dir, s.dist)
+                    lights.pdf_shape(p, n, i, s.dir, s.dist)
                 }
                 LightKind::Environment => {
                     hits_by_kind[1] += 1;
@@ -258,7 +258,7 @@ fn groups_add_up() {
 /// Chi-square: directions to a square of two triangles over a grid on the square, expected counts by quadrature.
 #[test]
 fn directions_follow_their_density() {
-    let lights = set(LightParts { triangles: triangles(&square(), &[1.0]), ..LightParts::default() });
+    let lights = set(LightParts { shapes: triangles(&square(), &[1.0]), ..LightParts::default() });
     let (p, n) = (Vec3::new(0.4, -0.3, 0.2), Vec3::new(0.0, 0.6, 0.8));
     const CELLS: usize = 8;
     const N: u32 = 40_000;
@@ -277,7 +277,7 @@ fn directions_follow_their_density() {
         let offset = Vec3::new(x, y, 1.0) - p;
         let (dist, dir) = (offset.length(), offset.normalize());
         // The first triangle has the corners with y > x; on the diagonal lies half of each.
-        let pdf_of = |triangle| lights.pdf_triangle(p, n, triangle, dir, dist);
+        let pdf_of = |triangle| lights.pdf_shape(p, n, triangle, dir, dist);
         let pdf = if i == j { 0.5 * (pdf_of(0) + pdf_of(1)) } else { pdf_of(u32::from(j < i)) };
         let solid_angle = dir.z / (dist * dist) * (2.0 / STEPS as f32).powi(2);
         expected[cell(Vec3::new(x, y, 1.0))] += f64::from(pdf * solid_angle) * f64::from(N);
@@ -296,7 +296,7 @@ fn emission_adds_up_to_the_power() {
     // The falloff is a square between the cones: a third of the cosines' difference.
     let (inner, outer) = (0.3_f32.cos(), 0.6_f32.cos());
     let cases = [
-        (LightParts { triangles: triangles(&square(), &[1.0]), ..LightParts::default() }, 4.0 * PI, "square"),
+        (LightParts { shapes: triangles(&square(), &[1.0]), ..LightParts::default() }, 4.0 * PI, "square"),
         (
             LightParts {
                 points: vec![PointLight { position: Vec3::ONE, intensity: Vec3::splat(2.0) }],
@@ -358,7 +358,7 @@ fn light_paths_share_out_by_power() {
         if let Some(ray) = lights.emit(c, [a, b], [a, b]) {
             assert_eq!(ray.kind, lights.kind(ray.light), "the kind is the light's");
             counts[ray.light.0 as usize] += 1.0 / f64::from(N);
-            if let LightKind::Triangle(i) = ray.kind {
+            if let LightKind::Shape(i) = ray.kind {
                 assert!(
                     (lights.pdf_emit_position(i) / ray.pdf_pos - 1.0).abs() < 1e-5,
                     "its density is known"
@@ -376,8 +376,8 @@ fn light_paths_share_out_by_power() {
 #[test]
 fn what_was_hit_is_found() {
     let lights = everything();
-    assert_eq!(lights.triangle([0, 0, 17], Vec3::Z), Some(17), "a triangle that shines");
-    assert_eq!(lights.triangle([0, 1, 17], Vec3::Z), None, "one that does not");
+    assert_eq!(lights.shape([0, 0, 17], Vec3::Z), Some(17), "a triangle that shines");
+    assert_eq!(lights.shape([0, 1, 17], Vec3::Z), None, "one that does not");
     assert_eq!(lights.kind(LightId(48)), LightKind::Point(0), "points come after triangles");
     assert_eq!(lights.kind(LightId(51)), LightKind::Environment, "the environment comes last");
     assert!(
@@ -427,9 +427,9 @@ fn lanes_choose_as_points_do() {
     };
     let emissive_triangles =
         |n: usize| triangles(&(0..n).map(emissive_triangle).collect::<Vec<_>>(), &[1.0, 5.0, 20.0]);
-    let of = |n| set(LightParts { triangles: emissive_triangles(n), ..LightParts::default() });
+    let of = |n| set(LightParts { shapes: emissive_triangles(n), ..LightParts::default() });
     let with_sky = set(LightParts {
-        triangles: emissive_triangles(30),
+        shapes: emissive_triangles(30),
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
         environment: Some(picture()),
         ..LightParts::default()
@@ -471,7 +471,7 @@ fn lanes_choose_as_points_do() {
 #[test]
 fn places_are_on_near_lights() {
     let points = vec![PointLight { position: Vec3::new(9.0, 0.0, 0.0), intensity: Vec3::splat(8.0) }];
-    let lights = set(LightParts { triangles: triangles(&square(), &[1.0]), points, ..LightParts::default() });
+    let lights = set(LightParts { shapes: triangles(&square(), &[1.0]), points, ..LightParts::default() });
     assert!(lights.has_near());
     let count = |p: Vec3| {
         let places: Vec<Vec3> = (0..512).filter_map(|i| lights.near_place(p, numbers(i))).collect();

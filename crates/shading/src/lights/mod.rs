@@ -20,7 +20,7 @@ mod punctual;
 mod spherical;
 
 pub use area::{
-    EmissiveTriangle, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, TriangleLights, looking_at,
+    EmissiveShape, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, ShapeLights, looking_at,
 };
 pub use environment::{ConstantEnvironment, PictureEnvironment};
 pub use lamp_points::{LampPoint, Place};

@@ -22,7 +22,7 @@ impl LightSet {
     #[must_use]
     pub fn near_place(&self, p: Vec3, [choice, x, y]: [f32; 3]) -> Option<Vec3> {
         let triangle =
-            |light: u32| self.parts.triangles.as_ref().and_then(|all| all.shapes.get(light as usize));
+            |light: u32| self.parts.shapes.as_ref().and_then(|all| all.shapes.get(light as usize));
         let brightness = |light: u32| {
             let (place, power, least) = match (triangle(light), self.kind(LightId(light))) {
                 (Some(shape), _) => (shape.p[0], shape.power, shape.area),

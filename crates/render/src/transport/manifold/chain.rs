@@ -77,7 +77,7 @@ impl Chain {
         ids: [u32; 3],
         (from, to, dir): (Vec3, Vec3, Vec3),
     ) -> f32 {
-        let Some(triangle) = lights.triangle(ids, dir) else { return 1.0 };
+        let Some(triangle) = lights.shape(ids, dir) else { return 1.0 };
         let Some(area) = lights.area_across(LightId(triangle), dir) else { return 1.0 };
         let probability = caustics.probability(triangle);
         let dist = (to - from).length();

@@ -56,7 +56,7 @@ impl Caustics {
             return None;
         }
         let mut lamps = Vec::new();
-        let ids = lights.triangle_ids();
+        let ids = lights.shape_ids();
         let mut first = 0;
         for mesh in ids.chunk_by(|a, b| a[..2] == b[..2]) {
             let triangles = first..first + mesh.len();
