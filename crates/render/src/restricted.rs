@@ -90,20 +90,20 @@ pub(crate) fn illuminate_in(
         return;
     }
     let counts = match world.lights().part(light) {
-        LightPart::Shapes(triangles) => {
+        LightPart::Shapes(shapes) => {
             let mut normal = Vec3s::default();
             (0..hits.len()).for_each(|i| normal.push(hits.facing_ns(i)));
             let purpose = purpose::LIGHT + light as u32;
             let random: Vec<_> =
                 hits.key.iter().map(|&key| tracer.random(key, hits.depth, purpose)).collect();
             let nothing = Names::default();
-            let counts = |triangle: u32| {
-                let [leaf, mesh, _] = world.lights().shape_ids()[triangle as usize];
+            let counts = |shape: u32| {
+                let [leaf, mesh, _] = world.lights().shape_ids()[shape as usize];
                 let material = known.materials.get(world.material_of(leaf, mesh) as usize);
                 let instance = world.tree().instance_at(leaf).and_then(|(id, _)| known.instances.get(&id));
                 has_category(&[instance.unwrap_or(&nothing), material.unwrap_or(&nothing)])
             };
-            triangles.illuminate_some((&hits.p, &normal), &random, counts, out);
+            shapes.illuminate_some((&hits.p, &normal), &random, counts, out);
             return;
         }
         LightPart::WithoutExtent(number) => {

@@ -49,6 +49,7 @@ mod shadow_catcher;
 mod shutter;
 #[path = "common/signed.rs"]
 mod signed;
+mod sphere_lights;
 mod subsurface;
 mod terminator;
 mod unlit;

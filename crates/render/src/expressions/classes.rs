@@ -99,10 +99,10 @@ impl Classes {
         End::light(self.lights.get(light.0 as usize).copied().unwrap_or(self.unnamed))
     }
 
-    /// A ray along `dir` found emission on a triangle: leaf, mesh, number.
+    /// A ray along `dir` found emission on a primitive: leaf, mesh, number.
     pub(crate) fn surface(&self, lights: &LightSet, ids: [u32; 3], dir: Vec3, material: u32) -> End {
         match lights.shape(ids, dir) {
-            Some(triangle) => self.light(LightId(triangle), lights),
+            Some(shape) => self.light(LightId(shape), lights),
             None => End::emission(self.emission.get(material as usize).copied().unwrap_or(self.unnamed)),
         }
     }

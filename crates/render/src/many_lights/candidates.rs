@@ -229,14 +229,14 @@ fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numb
     let [u, v] = numbers(path, EYE_EDGE, pair::POSITION);
     let point = end.point;
     let sample = lights.sample(point.p, Vec3::ZERO, [emitter_choice, u, v])?;
-    let LightKind::Shape(triangle) = lights.kind(sample.light) else { return None };
+    let LightKind::Shape(shape) = lights.kind(sample.light) else { return None };
     if !is_lit(&point, sample.dir) {
         return None;
     }
     let cos = point.ng.dot(sample.dir);
     // Per solid angle of the light, and per area of the virtual light.
     let share = light_path::share_of_light_set(tracer.world);
-    let standard = share * lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
+    let standard = share * lights.pdf_emit_position(shape) * cos * FRAC_1_PI;
     let left = left_after(sample.dist, [end.bsdf.absorption(sample.dir), Vec3::ZERO]);
     let power =
         sample.radiance * left * (end.light_gain * cos * over_both(end.density * sample.pdf, standard));

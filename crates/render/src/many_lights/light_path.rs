@@ -207,7 +207,7 @@ pub(crate) fn trace(
                 is_endless: matches!(ray.kind, LightKind::Directional(_) | LightKind::Environment),
                 absorption: Vec3::ZERO,
                 emitter_choice: match ray.kind {
-                    LightKind::Shape(triangle) => Some((triangle, ray.normal)),
+                    LightKind::Shape(shape) => Some((shape, ray.normal)),
                     _ => None,
                 },
                 plugin: None,
@@ -244,9 +244,9 @@ pub(crate) fn trace(
                 vpl,
                 pdf: per_area,
                 connectable: walk.smooth && per_area.is_finite(),
-                reverse: walk.emitter_choice.map_or(1.0, |(triangle, normal)| {
+                reverse: walk.emitter_choice.map_or(1.0, |(shape, normal)| {
                     let dist = (walk.origin - point.p).length();
-                    let visible = lights.pdf_shape(point.p, Vec3::ZERO, triangle, from, dist);
+                    let visible = lights.pdf_shape(point.p, Vec3::ZERO, shape, from, dist);
                     visible * normal.dot(from).abs() / (dist * dist)
                 }),
                 survival,

@@ -34,17 +34,17 @@ pub(crate) fn over_both(own: f32, other: f32) -> f32 {
     1.0 / (own + other)
 }
 
-/// How much the light counts that a path's ray along `dir` found on triangle `ids` (leaf, mesh, triangle) at `p`:
+/// How much the light counts that a path's ray along `dir` found on shape `ids` (leaf, mesh, primitive) at `p`:
 /// light samples find it, too.
 pub(crate) fn weigh(lights: &LightSet, path: &Path, ids: [u32; 3], p: Vec3, dir: Vec3) -> f32 {
-    let (Some(origin), Some(triangle)) = (path.from, lights.shape(ids, dir)) else {
+    let (Some(origin), Some(shape)) = (path.from, lights.shape(ids, dir)) else {
         return 1.0;
     };
     let dist = (p - origin.p).length();
     let pdf = if splits(lights, path.edges - 1) {
-        lights.pdf_shape_in_group(origin.p, origin.ns, triangle, dir, dist)
+        lights.pdf_shape_in_group(origin.p, origin.ns, shape, dir, dist)
     } else {
-        lights.pdf_shape(origin.p, origin.ns, triangle, dir, dist)
+        lights.pdf_shape(origin.p, origin.ns, shape, dir, dist)
     };
     power_heuristic(origin.pdf, pdf)
 }

@@ -263,16 +263,16 @@ impl Met<'_> {
     ) -> Vec3 {
         let points = self.points;
         let (ids, dir) = (self.ids(k), points.ray_dir.get(k));
-        if let (Some(linked), Some(triangle)) = (linked, lights.shape(ids, dir))
-            && !linked.counts(self.numbers[k] as usize, LightId(triangle), path.from.is_some())
+        if let (Some(linked), Some(shape)) = (linked, lights.shape(ids, dir))
+            && !linked.counts(self.numbers[k] as usize, LightId(shape), path.from.is_some())
         {
             return Vec3::ZERO;
         }
         let weight = weigh(lights, path, ids, points.p.get(k), dir) * self.beside_searches(lights, path, k);
         match lights.shape(ids, dir) {
-            Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {
-                let position = [points.u[k], points.v[k]];
-                let emitted = lights.radiance_of_shape(triangle, position, dir, points.t[k]);
+            Some(shape) if self.is_final && points.front(k) && path.from.is_some() => {
+                let met = ([points.u[k], points.v[k]], points.p.get(k));
+                let emitted = lights.radiance_of_shape(shape, met, dir, points.t[k]);
                 found - emitted * (1.0 - weight)
             }
             _ => found * weight,

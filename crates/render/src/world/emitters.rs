@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The emissive triangles: all those of all instances together are one light.
-//! Space: world. They are searched for again only if an emissive instance moved, came or went, an emissive
+//! The emissive shapes, triangles and spheres: all those of all instances together are one light.
+//! Space: world. Spheres of instances that stretch them, and curves, are none: only scattered rays find their light.
+//! They are searched for again only if an emissive instance moved, came or went, an emissive
 //! object was changed, or a material's emission changed. Tests:
 //! `crates/render/tests/{lights,commit,shader_emission}.rs`.
 
 use std::ops::Range;
 use std::sync::Arc;
 
+use glam::{Mat3, Vec3};
 use gnurt_accel::threads;
 use gnurt_accel::{KeyInterval, SceneTree, SharedList};
-use gnurt_scene::RayMask;
+use gnurt_scene::{Mesh, Primitives, RayMask};
 use gnurt_shading::lights as shading;
+use gnurt_shading::lights::Outline;
 
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::material_table::MaterialTable;
@@ -18,7 +21,7 @@ use super::object::WorldObject;
 use super::shader_emission::{EmissionShape, ShaderEmission};
 use super::transform::Transform;
 
-/// The input of the search for emissive triangles.
+/// The input of the search for emissive shapes.
 #[derive(Clone, Copy)]
 pub(super) struct Shown<'a> {
     pub(super) instances: &'a SharedList<InstanceSlot>,
@@ -29,29 +32,32 @@ pub(super) struct Shown<'a> {
     pub(super) pool: &'a rayon::ThreadPool,
 }
 
-/// All emissive triangles.
+/// All emissive shapes.
 #[derive(Default)]
 pub(super) struct Emitters {
-    pub(super) triangles: Option<Arc<shading::ShapeLights>>,
-    /// Object (by its number in the tree over instances), mesh and triangle of each of them, ascending; twice
-    /// if both sides emit.
+    pub(super) shapes: Option<Arc<shading::ShapeLights>>,
+    /// Object (by its number in the tree over instances), mesh and primitive of each of them, ascending; twice
+    /// if both sides of a triangle emit.
     pub(super) ids: Arc<Vec<[u32; 3]>>,
     /// Instances with an emissive mesh, ascending.
     pub(super) instances: Vec<u32>,
 }
 
-/// Triangles that may emit: leaf, mesh and triangle of each, and the data of those whose shaders are queried.
+/// Shapes that may emit: leaf, mesh and primitive of each, and the data of those whose shaders are queried.
 #[derive(Default)]
 struct Found {
-    triangles: Vec<shading::EmissiveShape>,
+    shapes: Vec<shading::EmissiveShape>,
     ids: Vec<[u32; 3]>,
     glowing: Vec<Option<EmissionShape>>,
 }
 
+/// How far squared lengths in a sphere may differ.
+const STRETCHED: f32 = 1e-4;
+
 /// Instances that a thread asks at a time whether they emit.
 const CHUNK: usize = 4096;
 
-/// Emissive instances whose triangles a thread collects at a time.
+/// Emissive instances whose shapes a thread collects at a time.
 const TOGETHER: usize = 64;
 
 impl Emitters {
@@ -103,7 +109,7 @@ impl Emitters {
             [now.first_leaf(inst_id) + leaf, geom_id, prim_id]
         };
         let ids = Arc::new(self.ids.iter().map(number).collect());
-        Self { triangles: self.triangles.clone(), ids, instances: self.instances.clone() }
+        Self { shapes: self.shapes.clone(), ids, instances: self.instances.clone() }
     }
 
     /// Whether some of them move while the shutter is open.
@@ -112,7 +118,7 @@ impl Emitters {
         let moves = |placed: &PlacedInstance| {
             placed.motion.is_some() || placed.object.bends || placed.object.members_move
         };
-        self.triangles.is_some() && self.instances.iter().filter_map(placed).any(moves)
+        self.shapes.is_some() && self.instances.iter().filter_map(placed).any(moves)
     }
 
     fn of(emissive: Vec<u32>, time: Option<f32>, shown: Shown) -> Self {
@@ -123,24 +129,20 @@ impl Emitters {
             let slot = |instance_index: usize| shown.instances[emissive[instance_index] as usize].clone();
             let instances = SharedList::new(emissive.len(), false, slot);
             let Shown { face_normals, .. } = shown;
-            let triangles = std::mem::take(&mut found.glowing);
+            let shapes = std::mem::take(&mut found.glowing);
             let mut shader_emission =
-                ShaderEmission { triangles, instances, emitters: emitters.clone(), time, face_normals };
-            let mut is_emissive =
-                shown.pool.install(|| shader_emission.probe(&mut found.triangles)).into_iter();
+                ShaderEmission { shapes, instances, emitters: emitters.clone(), time, face_normals };
+            let mut is_emissive = shown.pool.install(|| shader_emission.probe(&mut found.shapes)).into_iter();
             let mut stays = || is_emissive.next().unwrap_or(false);
-            let all = found
-                .triangles
-                .into_iter()
-                .zip(found.ids)
-                .zip(std::mem::take(&mut shader_emission.triangles));
-            let ((triangles, ids), glowing) = all.filter(|_| stays()).unzip();
-            (found.triangles, found.ids, shader_emission.triangles) = (triangles, ids, glowing);
+            let all =
+                found.shapes.into_iter().zip(found.ids).zip(std::mem::take(&mut shader_emission.shapes));
+            let ((shapes, ids), glowing) = all.filter(|_| stays()).unzip();
+            (found.shapes, found.ids, shader_emission.shapes) = (shapes, ids, glowing);
             shaders = Some(Arc::new(shader_emission));
         }
-        match shading::ShapeLights::new(found.triangles, emitters, shaders) {
+        match shading::ShapeLights::new(found.shapes, emitters, shaders) {
             Some(lights) => {
-                Self { triangles: Some(Arc::new(lights)), ids: Arc::new(found.ids), instances: emissive }
+                Self { shapes: Some(Arc::new(lights)), ids: Arc::new(found.ids), instances: emissive }
             }
             None => Self { instances: emissive, ..Self::default() },
         }
@@ -167,15 +169,20 @@ impl Found {
                 for (geom_id, (mesh, keys)) in (0..).zip(object.meshes.iter().zip(&object.keys)) {
                     let range = ranges[mesh.material.index()].clone();
                     let mesh = (&**mesh, &**keys, time);
-                    for prim_id in 0..mesh.0.indices.len() {
+                    for prim_id in 0..mesh.0.primitive_count() {
                         let prim = prim_id as u32;
                         let (ids, met) =
                             ([first + leaf, geom_id, prim], [instance_index as u32, leaf, geom_id, prim]);
                         let of_material = range.clone().map(|i| (i as u32, &*emitters[i]));
                         each_side(at, mesh, prim_id, of_material, |side, by_shader| {
-                            let (emitter, is_turned) = (side.emitter, side.is_turned);
-                            let queried =
-                                by_shader.then_some(EmissionShape { met, inst_id, emitter, is_turned });
+                            let (emitter, is_turned, outline) = (side.emitter, side.is_turned, side.outline);
+                            let queried = by_shader.then_some(EmissionShape {
+                                met,
+                                inst_id,
+                                emitter,
+                                is_turned,
+                                outline,
+                            });
                             found.push((side, (ids, queried)));
                         });
                     }
@@ -188,8 +195,8 @@ impl Found {
             (n * TOGETHER..end).flat_map(of_instance).collect::<Vec<_>>()
         };
         let all = || threads::map(true, emissive.len().div_ceil(TOGETHER), of_chunk);
-        let (triangles, (ids, glowing)) = shown.pool.install(all).into_iter().flatten().unzip();
-        Self { triangles, ids, glowing }
+        let (shapes, (ids, glowing)) = shown.pool.install(all).into_iter().flatten().unzip();
+        Self { shapes, ids, glowing }
     }
 }
 
@@ -197,7 +204,7 @@ fn shows_emitters(object: &WorldObject, materials: &MaterialTable) -> bool {
     object.has_material(|material| materials.is_emissive(material))
 }
 
-/// Calls `visit` with all objects in one that have emissive triangles, with their transforms at a time, and
+/// Calls `visit` with all objects in one that have emissive shapes, with their transforms at a time, and
 /// their numbers from `first` on.
 fn each_lamp(
     object: &WorldObject,
@@ -218,63 +225,108 @@ fn each_lamp(
     visit(object, first + members.own_leaf(), instance_index);
 }
 
-/// Calls `with` with the sides of a triangle that may emit, in the world, and whether a shader computes their emission.
-/// A material has one emitter, of its front or by a shader of both sides, or two, of its front and of its back.
+/// Calls `with` with the sides of a primitive that may emit, in the world, and whether a shader computes their emission.
+/// A material has one emitter, of its front or by a shader of both sides, or two, of its front and of its back. Of spheres the
+/// outside counts.
 fn each_side<'e>(
     at: &Transform,
-    mesh: (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
+    mesh: Posed,
     prim_id: usize,
     emitters: impl ExactSizeIterator<Item = (u32, &'e shading::Emitter)>,
     mut with: impl FnMut(shading::EmissiveShape, bool),
 ) {
     let has_both = emitters.len() == 2;
     for (side, of) in emitters.enumerate() {
-        let Some(front) = triangle(at, mesh, prim_id, of) else { return };
+        let Some(front) = shape(at, mesh, prim_id, of) else { return };
+        let back = turned(&front);
         if of.1.shader().is_some() {
-            with(front.clone(), true);
-            with(turned(front), true);
+            with(front, true);
+            back.into_iter().for_each(|back| with(back, true));
         } else if !has_both || front.brightness > 0.0 {
             // One side of two may be dark.
-            with(if side == 0 { front } else { turned(front) }, false);
+            let emitting = if side == 0 { Some(front) } else { back };
+            emitting.into_iter().for_each(|side| with(side, false));
         }
     }
 }
 
-/// A triangle in the world; `None` if it cannot be traced, because absent triangles emit nothing.
-fn triangle(
-    instance_index: &Transform,
-    (mesh, keys, time): (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
+/// A mesh, its keys, and a time.
+type Posed<'a> = (&'a Mesh, &'a [Arc<Mesh>], f32);
+
+/// A shape in the world; `None` if it cannot be traced, because absent shapes emit nothing.
+fn shape(
+    at: &Transform,
+    posed: Posed,
     prim_id: usize,
     (emitter, of): (u32, &shading::Emitter),
 ) -> Option<shading::EmissiveShape> {
-    let mut corners = mesh.indices[prim_id].map(|i| i as usize);
-    if instance_index.mirrors {
+    let mesh = posed.0;
+    let mut corners = mesh.corners(prim_id)?;
+    let is_turned = at.mirrors && mesh.has_triangles();
+    if is_turned {
         corners.swap(1, 2);
     }
-    let interval = KeyInterval::of(time, keys.len());
-    let position = |i: usize| {
-        let at = |mesh: &gnurt_scene::Mesh| mesh.positions.get(i).copied();
-        let p = match keys {
-            [] => at(mesh)?,
-            _ => interval.mix3(at(&keys[interval.key])?, at(&keys[interval.next])?),
-        };
-        Some(instance_index.point(p.into()))
+    let outline = match &mesh.primitives {
+        Primitives::Triangles => triangle(at, posed, corners)?,
+        Primitives::Spheres(_) => sphere(at, posed, prim_id)?,
+        Primitives::Curves(_) => return None,
     };
-    let p = [position(corners[0])?, position(corners[1])?, position(corners[2])?];
-    let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
-    if !(area > 0.0 && area.is_finite()) {
-        return None;
-    }
     let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
     let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
     let brightness = of.mean_over(&uv, opacity);
-    Some(shading::EmissiveShape { p, is_turned: instance_index.mirrors, uv, opacity, emitter, brightness })
+    Some(shading::EmissiveShape { outline, is_turned, uv, opacity, emitter, brightness })
+}
+
+/// A value of a mesh at a time: of its keys, or its own if it has none.
+fn posed<T>(
+    (mesh, keys, time): Posed,
+    of: impl Fn(&Mesh) -> Option<T>,
+    mix: impl Fn(KeyInterval, T, T) -> T,
+) -> Option<T> {
+    let interval = KeyInterval::of(time, keys.len());
+    match keys {
+        [] => of(mesh),
+        _ => Some(mix(interval, of(&keys[interval.key])?, of(&keys[interval.next])?)),
+    }
+}
+
+/// A vertex in the world.
+fn vertex(at: &Transform, mesh: Posed, i: usize) -> Option<Vec3> {
+    let p = posed(mesh, |mesh| mesh.positions.get(i).copied(), |interval, a, b| interval.mix3(a, b))?;
+    Some(at.point(p.into()))
+}
+
+fn triangle(at: &Transform, mesh: Posed, corners: [usize; 3]) -> Option<Outline> {
+    let p = [vertex(at, mesh, corners[0])?, vertex(at, mesh, corners[1])?, vertex(at, mesh, corners[2])?];
+    let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
+    (area > 0.0 && area.is_finite()).then_some(Outline::Triangle(p))
+}
+
+/// `None` where the transform makes something else of it.
+fn sphere(at: &Transform, mesh: Posed, prim_id: usize) -> Option<Outline> {
+    let of = |mesh: &Mesh| match &mesh.primitives {
+        Primitives::Spheres(radii) => radii.get(prim_id).map(|&radius| [radius; 3]),
+        _ => None,
+    };
+    let [radius, ..] = posed(mesh, of, |interval, a, b| interval.mix3(a, b))?;
+    let scale = at.linear.x_axis.length();
+    let squares = at.linear.transpose() * at.linear * (1.0 / (scale * scale));
+    if !squares.abs_diff_eq(Mat3::IDENTITY, STRETCHED) {
+        return None;
+    }
+    let (center, radius) = (vertex(at, mesh, prim_id)?, radius * scale);
+    (radius > 0.0 && radius.is_finite() && center.is_finite()).then_some(Outline::Sphere { center, radius })
 }
 
 /// The other side of a triangle.
-fn turned(mut front: shading::EmissiveShape) -> shading::EmissiveShape {
-    front.p.swap(1, 2);
-    front.uv.swap(1, 2);
-    front.opacity.swap(1, 2);
-    shading::EmissiveShape { is_turned: !front.is_turned, ..front }
+fn turned(front: &shading::EmissiveShape) -> Option<shading::EmissiveShape> {
+    let Outline::Triangle([a, b, c]) = front.outline else { return None };
+    let ([uv_a, uv_b, uv_c], [opacity_a, opacity_b, opacity_c]) = (front.uv, front.opacity);
+    Some(shading::EmissiveShape {
+        outline: Outline::Triangle([a, c, b]),
+        uv: [uv_a, uv_c, uv_b],
+        opacity: [opacity_a, opacity_c, opacity_b],
+        is_turned: !front.is_turned,
+        ..front.clone()
+    })
 }

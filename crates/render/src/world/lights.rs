@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All lights of a world: the description's lights, its emissive triangles and the shader table's lights.
+//! All lights of a world: the description's lights, its emissive shapes and the shader table's lights.
 //! Each is kept until an edit affects it; the light tree depends only on lights with a position, an
 //! environment's distribution only on its texture.
 //! Tests: `crates/render/tests/{lights,commit}.rs`.
@@ -61,7 +61,7 @@ pub(crate) struct Lights {
 /// A part of the lights.
 #[derive(Clone, Copy)]
 pub(crate) enum LightPart<'a> {
-    /// All emissive triangles.
+    /// All emissive shapes.
     Shapes(&'a shading::ShapeLights),
     /// A light without extent, by its number in the scene's order.
     WithoutExtent(usize),
@@ -77,7 +77,7 @@ type FromTable<'a> = (&'a [Arc<dyn LightShader>], &'a Option<Arc<dyn Environment
 pub(super) struct ChangedLights {
     /// Those of the scene were edited, or a texture.
     pub(super) edited: bool,
-    /// The emissive triangles, if they have changed.
+    /// The emissive shapes, if they have changed.
     pub(super) emitters: Option<Emitters>,
     /// Of all that can be lit.
     pub(super) bounds: [Vec3; 2],
@@ -103,14 +103,14 @@ impl Lights {
     pub(crate) fn part(&self, light: usize) -> LightPart<'_> {
         let first = usize::from(self.parts.shapes.is_some());
         match &self.parts.shapes {
-            Some(triangles) if light == 0 => LightPart::Shapes(triangles),
+            Some(shapes) if light == 0 => LightPart::Shapes(shapes),
             _ if light < self.plugins.start => LightPart::WithoutExtent(light - first),
             _ if light < self.plugins.end => LightPart::Plugin,
             _ => LightPart::Environment,
         }
     }
 
-    /// Leaf, mesh and triangle of the emissive triangles, as a light set numbers them.
+    /// Leaf, mesh and primitive of the emissive shapes, as a light set numbers them.
     pub(crate) fn shape_ids(&self) -> &[[u32; 3]] {
         &self.emitters.ids
     }
@@ -180,7 +180,7 @@ impl Lights {
         Self::made(scene.lights(), others, emitters, own_environment, bounds, map)
     }
 
-    /// The same lights at a time of the open shutter: those of the scene, and the emissive triangles, if they
+    /// The same lights at a time of the open shutter: those of the scene, and the emissive shapes, if they
     /// differ then.
     pub(super) fn at(&self, lights: Option<Vec<Light>>, emitters: Option<Emitters>) -> Self {
         let lights = lights.unwrap_or_else(|| self.punctual.clone());
@@ -201,7 +201,7 @@ impl Lights {
         map: ColorMap,
     ) -> Self {
         let mut parts = shading::LightParts {
-            shapes: emitters.triangles.clone(),
+            shapes: emitters.shapes.clone(),
             shape_ids: emitters.ids.clone(),
             environment: own_environment.clone(),
             bounds,
@@ -211,8 +211,8 @@ impl Lights {
             |light: &&Light| !matches!(light, Light::Environment { .. } | Light::Backdrop { .. });
         let punctual: Vec<Light> = lights.iter().filter(is_punctual).cloned().collect();
         let mut shaders: Vec<Arc<dyn LightShader>> = Vec::new();
-        if let Some(triangles) = &parts.shapes {
-            shaders.push(triangles.clone());
+        if let Some(shapes) = &parts.shapes {
+            shaders.push(shapes.clone());
         }
         shaders.extend(punctual.iter().filter_map(|light| without_extent(light, &mut parts, map)));
         let plugins = shaders.len()..shaders.len() + others.len();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles that emit by their surfaces' shaders. Queries give the exit radiance, for light samples and
+//! Shapes that emit by their surfaces' shaders. Queries give the exit radiance, for light samples and
 //! paths that start there; earlier queries at some points give the mean emission of each side of each
-//! triangle. Only this mean is cached, never light itself. Space: world.
+//! shape. Only this mean is cached, never light itself. Space: world.
 //! Invariant: a queried point has the properties of a hit point, except that its cone width is unknown. Sides
 //! that were dark at all queried points are no lights: only scattered rays find emission there. Tests:
 //! crates/render/tests/shader_emission.rs.
@@ -16,9 +16,9 @@ use gnurt_image::srgb::luminance;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::lights::{
-    EmissiveShape, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, looking_at,
+    EmissiveShape, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, Outline, looking_at,
 };
-use gnurt_shading::sampling::{self, Basis, cosine_hemisphere};
+use gnurt_shading::sampling::{Basis, cosine_hemisphere};
 use gnurt_shading::{Detail, SampleKey, SurfaceBatch};
 use gnurt_simd::Level;
 
@@ -26,33 +26,34 @@ use super::instance::InstanceSlot;
 use super::open::Shutter;
 use super::surface::{HitLanes, Leaves, SurfacePoints};
 
-/// Number of queried points on each side of all triangles of one surface together; and the limits for one
-/// triangle.
+/// Number of queried points on each side of all shapes of one surface together; and the limits for one
+/// shape.
 const PROBES: usize = 1 << 13;
 const MOST_PROBES: usize = 64;
 const FEWEST_PROBES: usize = 4;
 
-/// Triangles that a thread probes at a time.
+/// Shapes that a thread probes at a time.
 const TOGETHER: usize = 64;
 
-/// A triangle that may emit.
+/// A shape that may emit.
 #[derive(Clone, Copy)]
 pub(super) struct EmissionShape {
-    /// Instance, object in the instance, mesh, triangle; the instance by its index in
+    /// Instance, object in the instance, mesh, primitive; the instance by its index in
     /// `ShaderEmission::instances`.
     pub(super) met: [u32; 4],
     /// Its instance in the world.
     pub(super) inst_id: u32,
     /// Which emitter it belongs to.
     pub(super) emitter: u32,
-    /// Whether its second corner is the mesh's third.
+    /// Whether a triangle's second corner is the mesh's third.
     pub(super) is_turned: bool,
+    pub(super) outline: Outline,
 }
 
 /// The evaluation of their emission.
 pub(super) struct ShaderEmission {
-    /// By number of the emissive triangle; `None` = another emitter's.
-    pub(super) triangles: Vec<Option<EmissionShape>>,
+    /// By number of the emissive shape; `None` = another emitter's.
+    pub(super) shapes: Vec<Option<EmissionShape>>,
     /// Instances that have some of them.
     pub(super) instances: SharedList<InstanceSlot>,
     pub(super) emitters: Vec<Arc<Emitter>>,
@@ -78,7 +79,7 @@ thread_local! {
 impl EmitterShaders for ShaderEmission {
     fn radiance(&self, requests: &[EmitterPoint], out: &mut [Vec3]) {
         let emissions: Vec<Option<EmissionShape>> =
-            requests.iter().map(|at| self.triangles[at.triangle as usize]).collect();
+            requests.iter().map(|at| self.shapes[at.shape as usize]).collect();
         let emitter_of = |i: usize| emissions[i].map(|shader_emission| shader_emission.emitter);
         let mut left: Vec<usize> = (0..requests.len()).filter(|&i| emissions[i].is_some()).collect();
         while let Some(emitter) = left.first().and_then(|&i| emitter_of(i)) {
@@ -116,7 +117,7 @@ impl ShaderEmission {
                 (hits.leaf_id[i], leaves[i]) = (i as u32, [position, leaf]);
                 [hits.inst_id[i], hits.geom_id[i], hits.prim_id[i]] =
                     [shader_emission.inst_id, geom_id, prim_id];
-                rays.push(gnurt_accel::Ray::new([0.0; 3], at.dir.into()));
+                rays.push(gnurt_accel::Ray::new(shader_emission.origin(at).into(), at.dir.into()));
                 keys.push(SampleKey::default());
             }
             // As rays do that some surface has scattered.
@@ -147,67 +148,71 @@ impl ShaderEmission {
         SCRATCH.set(Some(scratch));
     }
 
-    /// Sets the brightness of the triangles with shaders, and returns which of all triangles emit: sides that
+    /// Sets the brightness of the shapes with shaders, and returns which of all shapes emit: sides that
     /// were dark at all queried points do not.
-    pub(super) fn probe(&self, triangles: &mut [EmissiveShape]) -> Vec<bool> {
-        // For each emitter, both sides: how many triangles, area, brightness by area.
+    pub(super) fn probe(&self, shapes: &mut [EmissiveShape]) -> Vec<bool> {
+        // For each emitter, both sides: how many shapes, area, brightness by area.
         let mut sides = vec![[(0_usize, 0.0_f64, 0.0_f64); 2]; self.emitters.len()];
         let side_of = |i: usize| {
-            self.triangles[i].map(|shader_emission| (shader_emission.emitter as usize, self.is_back(i)))
+            self.shapes[i].map(|shader_emission| (shader_emission.emitter as usize, self.is_back(i)))
         };
-        let area = |t: &EmissiveShape| f64::from((t.p[1] - t.p[0]).cross(t.p[2] - t.p[0]).length());
-        for (emitter, back) in (0..triangles.len()).filter_map(side_of) {
+        for (emitter, back) in (0..shapes.len()).filter_map(side_of) {
             sides[emitter][usize::from(back)].0 += 1;
         }
-        let pieces = Pieces::new(triangles, TOGETHER);
+        let pieces = Pieces::new(shapes, TOGETHER);
         threads::for_each(true, pieces.count(), &|n| {
-            for (i, triangle) in (n * TOGETHER..).zip(pieces.lock(n).iter_mut()) {
+            for (i, shape) in (n * TOGETHER..).zip(pieces.lock(n).iter_mut()) {
                 let Some((emitter, back)) = side_of(i) else { continue };
                 let probes = (PROBES / sides[emitter][usize::from(back)].0).clamp(FEWEST_PROBES, MOST_PROBES);
-                triangle.brightness = self.mean_of(i, triangle, probes);
+                shape.brightness = self.mean_of(i, shape, probes);
             }
         });
-        for (i, triangle) in triangles.iter().enumerate() {
+        for (i, shape) in shapes.iter().enumerate() {
             if let Some((emitter, back)) = side_of(i) {
                 let (_, whole, bright) = &mut sides[emitter][usize::from(back)];
-                *whole += area(triangle);
-                *bright += area(triangle) * f64::from(triangle.brightness);
+                *whole += shape.outline.area();
+                *bright += shape.outline.area() * f64::from(shape.brightness);
             }
         }
-        for (i, triangle) in triangles.iter_mut().enumerate() {
+        for (i, shape) in shapes.iter_mut().enumerate() {
             if let Some((emitter, back)) = side_of(i) {
                 let (_, whole, bright) = sides[emitter][usize::from(back)];
-                triangle.brightness = triangle.brightness.max(LEAST_SHARE * (bright / whole) as f32);
+                shape.brightness = shape.brightness.max(LEAST_SHARE * (bright / whole) as f32);
             }
         }
-        (0..)
-            .zip(&*triangles)
-            .map(|(i, triangle)| side_of(i).is_none() || triangle.brightness > 0.0)
-            .collect()
+        (0..).zip(&*shapes).map(|(i, shape)| side_of(i).is_none() || shape.brightness > 0.0).collect()
     }
 
-    /// Whether triangle `i` is the back of its predecessor.
+    /// Whether shape `i` is the back of its predecessor.
     fn is_back(&self, i: usize) -> bool {
-        let met = |i: usize| self.triangles[i].map(|shader_emission| shader_emission.met);
+        let met = |i: usize| self.shapes[i].map(|shader_emission| shader_emission.met);
         i > 0 && met(i) == met(i - 1)
     }
 
     /// Mean brightness over all positions and, by their cosines, all directions.
-    fn mean_of(&self, number: usize, triangle: &EmissiveShape, probes: usize) -> f32 {
-        let Some(shader_emission) = self.triangles[number] else { return 0.0 };
-        let normal = (triangle.p[1] - triangle.p[0]).cross(triangle.p[2] - triangle.p[0]).normalize_or_zero();
-        let frame = Basis::around(normal);
+    fn mean_of(&self, number: usize, shape: &EmissiveShape, probes: usize) -> f32 {
+        let Some(shader_emission) = self.shapes[number] else { return 0.0 };
         let probe = |i: usize| {
-            let position = sampling::triangle(looking_at(i as u32));
-            // Of all directions to all parts of the triangle.
+            let (position, normal) = shape.outline.place(looking_at(i as u32));
+            // Of all directions to all parts of the shape.
             let [a, b] = looking_at((i * 7 + 3) as u32);
-            let dir = -frame.to_world(cosine_hemisphere([b, a])).normalize();
-            (shader_emission, EmitterPoint { triangle: number as u32, position, dir, distance: 1.0 })
+            let dir = -Basis::around(normal).to_world(cosine_hemisphere([b, a])).normalize();
+            (shader_emission, EmitterPoint { shape: number as u32, position, dir, distance: 1.0 })
         };
         let emitter_points: Vec<_> = (0..probes).map(probe).collect();
         let mut sum = 0.0;
         self.query(shader_emission.emitter, &emitter_points, |_, radiance| sum += luminance(radiance.into()));
         let mean = sum / probes as f32;
         if mean.is_finite() { mean } else { 0.0 }
+    }
+}
+
+impl EmissionShape {
+    /// Where a ray to a point of it begins. Triangles take no more of a ray than its direction.
+    fn origin(&self, at: &EmitterPoint) -> Vec3 {
+        match self.outline {
+            Outline::Triangle(_) => Vec3::ZERO,
+            Outline::Sphere { .. } => self.outline.point(at.position) - at.dir * at.distance,
+        }
     }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All emissive triangles of a scene as one light: a triangle is chosen by its estimated contribution to the
-//! point, a position on it by area.
+//! All emissive shapes of a scene as one light: a shape is chosen by its estimated contribution to the
+//! point, a position on a triangle by area, on a sphere by angle.
 //! Source: [TCE05] (resampled importance sampling), [SWZ96] (sampling many luminaires); [PJH23] section 6.5 (area to
-//! solid angle). Differs: candidates are stratified by power, and one number chooses both the triangle and
+//! solid angle). Differs: candidates are stratified by power, and one number chooses both the shape and
 //! the position, see `choose`.
 //! Space: world. One-sided: light leaves the side of the geometric normal; a two-sided emitter is two
 //! triangles. Textures and opacity modulate it, or a surface's shader gives the exit radiance: choices use
@@ -15,7 +15,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
-use super::light_estimates::TriangleAt;
+use super::light_estimates::Aim;
+use super::shape::{Outline, Shape};
 use crate::batch::Vec3s;
 use crate::materials::{Coverage, Emission};
 use crate::sampling::distribution::ALMOST_ONE;
@@ -115,12 +116,12 @@ pub fn looking_at(i: u32) -> [f32; 2] {
     STEPS.map(|step| ((0.5 + f64::from(i) * step).fract() as f32).min(ALMOST_ONE))
 }
 
-/// A point on an emissive triangle, and the ray towards it.
+/// A point on an emissive shape, and the ray towards it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EmitterPoint {
-    /// Number of the triangle.
-    pub triangle: u32,
-    /// Barycentric weights of its second and third corner.
+    /// Number of the shape.
+    pub shape: u32,
+    /// The weights of a triangle's second and third corner, or a place of [`Outline::place`].
     pub position: [f32; 2],
     /// Unit, of a ray that comes to it: against its normal.
     pub dir: Vec3,
@@ -128,20 +129,20 @@ pub struct EmitterPoint {
     pub distance: f32,
 }
 
-/// Emission of triangles whose emitters have a shader.
+/// Emission of shapes whose emitters have a shader.
 pub trait EmitterShaders: Send + Sync {
     /// Writes the radiance that leaves each point against its ray, weighted by the surface's coverage.
     fn radiance(&self, requests: &[EmitterPoint], out: &mut [Vec3]);
 }
 
-/// An emissive triangle, world space.
+/// An emissive shape.
 #[derive(Clone, Debug)]
 pub struct EmissiveShape {
-    /// Vertices, counter-clockwise seen from the emitting side.
-    pub p: [Vec3; 3],
-    /// Whether its second corner is the mesh's third, and vice versa.
+    /// What it is.
+    pub outline: Outline,
+    /// Whether a triangle's second corner is the mesh's third, and vice versa.
     pub is_turned: bool,
-    /// Texture coordinates.
+    /// Texture coordinates of the corners.
     pub uv: [[f32; 2]; 3],
     /// Opacities of the vertices, by which the emitter's is multiplied.
     pub opacity: [f32; 3],
@@ -151,10 +152,10 @@ pub struct EmissiveShape {
     pub brightness: f32,
 }
 
-/// One light of many triangles.
+/// One light of many shapes.
 pub struct ShapeLights {
-    triangles: Vec<EmissiveShape>,
-    /// The data for choices, for each triangle.
+    all: Vec<EmissiveShape>,
+    /// The data for choices, for each shape.
     pub(super) shapes: Vec<Shape>,
     emitters: Vec<Arc<Emitter>>,
     /// Emission of the emitters that have a shader.
@@ -162,58 +163,10 @@ pub struct ShapeLights {
     distribution: Distribution,
 }
 
-/// Triangles that compete for each sample.
+/// Shapes that compete for each sample.
 const CANDIDATES: usize = 8;
 
-/// A triangle as choices see it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
-    pub(super) p: [Vec3; 3],
-    /// Unit, on the emitting side.
-    pub(super) normal: Vec3,
-    pub(super) area: f32,
-    /// Area times brightness.
-    pub(super) power: f32,
-}
-
-impl Shape {
-    fn new(triangle: &EmissiveShape) -> Self {
-        let p = triangle.p.map(Vec3::as_dvec3);
-        let cross = (p[1] - p[0]).cross(p[2] - p[0]);
-        let area = (0.5 * cross.length()) as f32;
-        let normal = cross.normalize_or_zero().as_vec3();
-        Self { p: triangle.p, normal, area, power: area * triangle.brightness }
-    }
-
-    /// The same as choices see it.
-    pub(super) fn seen(&self) -> TriangleAt<f32> {
-        let Self { p: [a, b, c], normal, area, power } = *self;
-        TriangleAt { corners: [a.into(), b.into(), c.into()], normal: normal.into(), area, power }
-    }
-
-    /// As [`TriangleAt::contribution`]; a zero `normal` has no horizon.
-    pub(super) fn contribution(&self, p: Vec3, normal: Vec3) -> f32 {
-        self.seen().contribution(p.into(), (normal != Vec3::ZERO).then(|| normal.into()))
-    }
-
-    /// The point at the barycentric weights of the second and third vertex.
-    pub(super) fn point(&self, [b1, b2]: [f32; 2]) -> Vec3 {
-        self.p[0] + (self.p[1] - self.p[0]) * b1 + (self.p[2] - self.p[0]) * b2
-    }
-
-    /// The same, but short of the triangle by its rounding error, so that it does not shadow itself.
-    pub(super) fn nearest_image(&self, p: Vec3, position: [f32; 2]) -> Vec3 {
-        self.point(position) + self.normal * self.rounding(p)
-    }
-
-    /// How far a point computed on the triangle and seen from `p` may be off, and some more.
-    pub(super) fn rounding(&self, p: Vec3) -> f32 {
-        let largest = self.p.iter().fold(p.abs().max_element(), |m, q| m.max(q.abs().max_element()));
-        16.0 * f32::EPSILON * largest
-    }
-}
-
-/// A triangle that was chosen.
+/// A shape that was chosen.
 struct Chosen {
     index: usize,
     /// Factor of its light: one over the probability of the choice, on average.
@@ -222,7 +175,7 @@ struct Chosen {
     random: [f32; 2],
 }
 
-/// Light of a point of a triangle, as [`LightBatch`] has it.
+/// Light of a point of a shape, as [`LightBatch`] has it.
 struct Arriving {
     dir: Vec3,
     dist: f32,
@@ -240,31 +193,31 @@ impl Arriving {
 }
 
 impl ShapeLights {
-    /// `None` if no triangle emits. Panics if a triangle names an emitter that is not there.
+    /// `None` if no shape emits. Panics if a shape names an emitter that is not there.
     #[must_use]
     pub fn new(
-        triangles: Vec<EmissiveShape>,
+        all: Vec<EmissiveShape>,
         emitters: Vec<Arc<Emitter>>,
         shaders: Option<Arc<dyn EmitterShaders>>,
     ) -> Option<Self> {
-        let last = triangles.iter().map(|t| t.emitter as usize).max();
+        let last = all.iter().map(|t| t.emitter as usize).max();
         assert!(last < Some(emitters.len()), "emitter {last:?} of {}", emitters.len());
-        let power = |t: &EmissiveShape| double_area(t) * f64::from(t.brightness);
-        let distribution = Distribution::new(triangles.iter().map(power))?;
-        let shapes = triangles.iter().map(Shape::new).collect();
-        Some(Self { triangles, shapes, emitters, shaders, distribution })
+        let power = |shape: &EmissiveShape| 2.0 * shape.outline.area() * f64::from(shape.brightness);
+        let distribution = Distribution::new(all.iter().map(power))?;
+        let shapes = all.iter().map(|shape| Shape::new(&shape.outline, shape.brightness)).collect();
+        Some(Self { all, shapes, emitters, shaders, distribution })
     }
 
-    /// How many triangles.
+    /// How many shapes.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.triangles.len()
+        self.all.len()
     }
 
-    /// Whether there are no triangles: never, see [`new`](Self::new).
+    /// Whether there are no shapes: never, see [`new`](Self::new).
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.all.is_empty()
     }
 
     /// Chooses among candidates in proportion to their contribution.
@@ -315,51 +268,55 @@ impl ShapeLights {
         }
     }
 
-    /// Light of a point on a triangle.
+    /// Light of a point on a shape.
     fn sample(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<Arriving> {
         self.sample_on(&self.choose(p, normal, random)?, p)
     }
 
-    /// The same for a chosen triangle.
+    /// The same for a chosen shape.
     fn sample_on(&self, chosen: &Chosen, p: Vec3) -> Option<Arriving> {
         let shape = &self.shapes[chosen.index];
-        let position = sampling::triangle(chosen.random);
-        let offset = shape.nearest_image(p, position) - p;
-        let distance2 = offset.length_squared();
-        let dist = distance2.sqrt();
-        let dir = offset / dist;
-        let cos = -shape.normal.dot(dir);
-        if !(cos > 0.0 && dist > 0.0) {
+        let (position, dir, dist, solid_angle) = if shape.extent < 0.0 {
+            let Aim { position, dir, dist, density } = shape.seen().aim(p.into(), chosen.random, true);
+            (position, Vec3::from(dir), dist, chosen.weight / density)
+        } else {
+            let position = sampling::triangle(chosen.random);
+            let offset = shape.nearest_image(p, position) - p;
+            let distance2 = offset.length_squared();
+            let dist = distance2.sqrt();
+            let dir = offset / dist;
+            let cos = -shape.normal.dot(dir);
+            (position, dir, dist, cos / distance2 * shape.extent * chosen.weight)
+        };
+        if !(solid_angle > 0.0 && solid_angle.is_finite() && dist > 0.0) {
             return None;
         }
         let radiance = self.radiance(chosen.index, position, dir, dist);
-        let solid_angle = cos / distance2 * shape.area * chosen.weight;
         Some(Arriving { dir, dist, radiance: radiance * solid_angle, pdf: solid_angle.recip() })
     }
 
-    /// Exit radiance of triangle `index` if it is constant; `None` where it depends on the position.
+    /// Exit radiance of shape `index` if it is constant; `None` where it depends on the position.
     pub(super) fn even_radiance(&self, index: usize) -> Option<Vec3> {
-        let emitter = &self.emitters[self.triangles[index].emitter as usize];
+        let emitter = &self.emitters[self.all[index].emitter as usize];
         let even =
             emitter.emission.texture.is_none() && emitter.coverage.is_none() && emitter.shader.is_none();
         even.then_some(emitter.emission.factor)
     }
 
-    /// Exit radiance of triangle `index` at the barycentric weights of its second and third corner against a
-    /// ray along the unit `dir` that comes `distance` far.
+    /// Exit radiance of shape `index` at a place against a ray along the unit `dir` that comes `distance` far.
     pub(super) fn radiance(&self, index: usize, position: [f32; 2], dir: Vec3, distance: f32) -> Vec3 {
         let mut out = [Vec3::ZERO];
-        self.radiances(&[EmitterPoint { triangle: index as u32, position, dir, distance }], &mut out);
+        self.radiances(&[EmitterPoint { shape: index as u32, position, dir, distance }], &mut out);
         out[0]
     }
 
     /// The same for many points.
     pub(super) fn radiances(&self, requests: &[EmitterPoint], out: &mut [Vec3]) {
-        let triangle = |at: &EmitterPoint| &self.triangles[at.triangle as usize];
-        let emitter = |at: &EmitterPoint| &self.emitters[triangle(at).emitter as usize];
+        let shape = |at: &EmitterPoint| &self.all[at.shape as usize];
+        let emitter = |at: &EmitterPoint| &self.emitters[shape(at).emitter as usize];
         let mut of_shaders = false;
         for (at, out) in requests.iter().zip(out.iter_mut()) {
-            let EmissiveShape { uv, opacity, .. } = triangle(at);
+            let EmissiveShape { uv, opacity, .. } = shape(at);
             of_shaders |= emitter(at).shader.is_some();
             *out = emitter(at).radiance(uv, *opacity, at.position);
         }
@@ -376,15 +333,19 @@ impl ShapeLights {
         these.into_iter().zip(found).for_each(|(i, found)| out[i] = found);
     }
 
-    /// The same where a ray along `dir` met it at these barycentric weights of the mesh's second and third corner.
+    /// The same where a ray along `dir` met it at `p`, and at these barycentric weights of the mesh's second and third corner.
     pub(super) fn radiance_where_met(
         &self,
         index: usize,
-        [u, v]: [f32; 2],
+        ([u, v], p): ([f32; 2], Vec3),
         dir: Vec3,
         distance: f32,
     ) -> Vec3 {
-        let position = if self.triangles[index].is_turned { [v, u] } else { [u, v] };
+        let position = match (self.shapes[index].place_of(p), self.all[index].is_turned) {
+            (Some(place), _) => place,
+            (None, true) => [v, u],
+            (None, false) => [u, v],
+        };
         self.radiance(index, position, dir, distance)
     }
 }
@@ -403,11 +364,6 @@ impl LightShader for ShapeLights {
     }
 }
 
-fn double_area(t: &EmissiveShape) -> f64 {
-    let p = t.p.map(Vec3::as_dvec3);
-    (p[1] - p[0]).cross(p[2] - p[0]).length()
-}
-
 fn interpolate(uv: &[[f32; 2]; 3], b1: f32, b2: f32) -> [f32; 2] {
     [0, 1].map(|k| uv[0][k] + b1 * (uv[1][k] - uv[0][k]) + b2 * (uv[2][k] - uv[0][k]))
 }
@@ -424,7 +380,7 @@ mod tests {
         let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
         let middle = corner(0.0, 0.0);
         let triangles = [[a, b, c], [a, middle, d], [middle, c, d]].map(|p| EmissiveShape {
-            p,
+            outline: Outline::Triangle(p),
             is_turned: false,
             uv: [[0.0; 2]; 3],
             opacity: [1.0; 3],
@@ -499,7 +455,7 @@ mod tests {
         const BRIGHTNESS: [f32; 4] = [1.0, 5.0, 40.0, 2.0];
         let emit = |factor| Arc::new(Emitter::new(Emission::constant(factor), None));
         let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveShape {
-            p,
+            outline: Outline::Triangle(p),
             is_turned: false,
             uv: [[0.0; 2]; 3],
             opacity: [1.0; 3],
@@ -550,7 +506,7 @@ mod tests {
         let emission = Emission::constant(Vec3::ONE);
         let emitter = Arc::new(Emitter::new(emission, None));
         let flat = EmissiveShape {
-            p: [Vec3::ZERO, Vec3::X, Vec3::X * 2.0],
+            outline: Outline::Triangle([Vec3::ZERO, Vec3::X, Vec3::X * 2.0]),
             is_turned: false,
             uv: [[0.0; 2]; 3],
             opacity: [1.0; 3],

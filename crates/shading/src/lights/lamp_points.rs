@@ -8,7 +8,6 @@ use gnurt_image::srgb::luminance;
 
 use super::light_parts::{LightId, LightKind};
 use super::light_set::LightSet;
-use crate::sampling;
 
 /// Where a lamp is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,43 +27,43 @@ pub struct LampPoint {
     pub place: Place,
     /// Whether no scattered ray could meet it.
     pub delta: bool,
-    /// On a triangle.
-    uv: [f32; 2],
+    /// Its place on a shape.
+    on_shape: [f32; 2],
 }
 
 impl LightSet {
     /// A point of a lamp by two numbers in [0, 1), uniform by area.
     #[must_use]
     pub fn lamp_point(&self, light: LightId, u: [f32; 2]) -> Option<LampPoint> {
-        let (mut uv, mut delta) = ([0.0; 2], true);
+        let (mut on_shape, mut delta) = ([0.0; 2], true);
         let place = match self.kind(light) {
             LightKind::Shape(i) => {
                 let shape = &self.parts.shapes.as_ref()?.shapes[i as usize];
-                (uv, delta) = (sampling::triangle(u), false);
-                Place::At(shape.point(uv) + shape.normal * shape.rounding(Vec3::ZERO))
+                (on_shape, delta) = (shape.place(u), false);
+                Place::At(shape.nearest_image(Vec3::ZERO, on_shape))
             }
             LightKind::Point(i) => Place::At(self.parts.points[i as usize].position),
             LightKind::Spot(i) => Place::At(self.parts.spots[i as usize].position),
             LightKind::Directional(i) => Place::Towards(self.parts.directionals[i as usize].towards),
             LightKind::Environment => return None,
         };
-        Some(LampPoint { light, place, delta, uv })
+        Some(LampPoint { light, place, delta, on_shape })
     }
 
     /// The intensity of a point of a lamp towards a place that sees it in the unit direction `dir`, `dist` away, W·sr⁻¹. Of a
-    /// triangle: radiance times projected area, over the density of the point. Of a lamp without a position: the irradiance of
+    /// shape: radiance times projected area, over the density of the point. Of a lamp without a position: the irradiance of
     /// a surface that faces it.
     #[must_use]
     pub fn intensity(&self, from: &LampPoint, dir: Vec3, dist: f32) -> Vec3 {
         match self.kind(from.light) {
             LightKind::Shape(i) => {
-                let Some(triangles) = &self.parts.shapes else { return Vec3::ZERO };
-                let shape = &triangles.shapes[i as usize];
-                let cos = -shape.normal.dot(dir);
+                let Some(lights) = &self.parts.shapes else { return Vec3::ZERO };
+                let shape = &lights.shapes[i as usize];
+                let cos = -shape.normal_at(from.on_shape).dot(dir);
                 if cos <= 0.0 {
                     return Vec3::ZERO;
                 }
-                triangles.radiance(i as usize, from.uv, dir, dist) * (cos * shape.area)
+                lights.radiance(i as usize, from.on_shape, dir, dist) * (cos * shape.area())
             }
             LightKind::Point(i) => self.parts.points[i as usize].intensity,
             LightKind::Spot(i) => {
@@ -82,7 +81,7 @@ impl LightSet {
         let bright = |color: Vec3| luminance(color.into());
         match self.kind(light) {
             LightKind::Shape(i) => {
-                self.parts.shapes.as_ref().map_or(0.0, |triangles| triangles.shapes[i as usize].power)
+                self.parts.shapes.as_ref().map_or(0.0, |lights| lights.shapes[i as usize].power)
             }
             LightKind::Point(i) => bright(self.parts.points[i as usize].intensity),
             LightKind::Spot(i) => bright(self.parts.spots[i as usize].intensity),
@@ -91,20 +90,23 @@ impl LightSet {
         }
     }
 
-    /// The area of an emissive triangle as it is seen along the unit direction `dir`; `None` for other lights.
+    /// The area of an emissive shape as it is seen along the unit direction `dir`, if all of it faced that as its point `p` does: one over
+    /// the density of [`lamp_point`](Self::lamp_point) per area across. `None` for other lights.
     #[must_use]
-    pub fn area_across(&self, light: LightId, dir: Vec3) -> Option<f32> {
+    pub fn area_across(&self, light: LightId, p: Vec3, dir: Vec3) -> Option<f32> {
         let shape = self.parts.shapes.as_ref()?.shapes.get(light.0 as usize)?;
-        Some(shape.area * shape.normal.dot(dir).abs())
+        let normal = shape.place_of(p).map_or(shape.normal, |place| shape.normal_at(place));
+        Some(shape.area() * normal.dot(dir).abs())
     }
 
-    /// The corners of an emissive triangle.
+    /// Area and middle of an emissive shape.
     #[must_use]
-    pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
-        self.parts.shapes.as_ref()?.shapes.get(triangle as usize).map(|shape| shape.p)
+    pub fn extent(&self, shape: u32) -> Option<(f32, Vec3)> {
+        let shape = self.parts.shapes.as_ref()?.shapes.get(shape as usize)?;
+        Some((shape.area(), (shape.p[0] + shape.p[1] + shape.p[2]) / 3.0))
     }
 
-    /// The names of hits on emissive triangles, by light: leaf, mesh, triangle.
+    /// The names of hits on emissive shapes, by light: leaf, mesh, primitive.
     #[must_use]
     pub fn shape_ids(&self) -> &[[u32; 3]] {
         &self.parts.shape_ids

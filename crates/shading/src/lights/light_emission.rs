@@ -14,7 +14,7 @@ use super::light_parts::{LightId, LightKind};
 use super::light_set::LightSet;
 use crate::point::SurfacePoint;
 use crate::sampling::warp::concentric_disk;
-use crate::sampling::{self, Basis, cosine_hemisphere, uniform_sphere};
+use crate::sampling::{Basis, cosine_hemisphere, uniform_sphere};
 
 /// The first edge of a path from a light.
 #[derive(Clone, Copy, Debug)]
@@ -97,25 +97,25 @@ impl LightSet {
         (ray.radiance_over_pdf.is_finite() && ray.radiance_over_pdf != Vec3::ZERO).then_some(ray)
     }
 
-    /// Density per area with which [`emit`](Self::emit) starts at a point of an emissive triangle.
+    /// Density per area with which [`emit`](Self::emit) starts at a point of an emissive shape.
     #[must_use]
-    pub fn pdf_emit_position(&self, triangle: u32) -> f32 {
+    pub fn pdf_emit_position(&self, shape: u32) -> f32 {
         match (self.power(), &self.parts.shapes) {
-            (Some(power), Some(triangles)) => {
-                power.probability(triangle as usize) / triangles.shapes[triangle as usize].area
+            (Some(power), Some(lights)) => {
+                power.probability(shape as usize) / lights.shapes[shape as usize].area()
             }
             _ => 0.0,
         }
     }
 
     fn emit_shape(&self, index: u32, chosen: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
-        let triangles = self.parts.shapes.as_ref()?;
-        let shape = &triangles.shapes[index as usize];
-        let uv = sampling::triangle(u_pos);
-        let (p, normal) = (shape.point(uv), shape.normal);
+        let lights = self.parts.shapes.as_ref()?;
+        let shape = &lights.shapes[index as usize];
+        let place = shape.place(u_pos);
+        let (p, normal, area) = (shape.point(place), shape.normal_at(place), shape.area());
         let local = cosine_hemisphere(u_dir);
         let dir = Basis::around(normal).to_world(local).normalize();
-        let emitted = triangles.radiance(index as usize, uv, -dir, 1.0);
+        let emitted = lights.radiance(index as usize, place, -dir, 1.0);
         Some(LightRay {
             point: SurfacePoint {
                 p,
@@ -128,9 +128,9 @@ impl LightSet {
             normal,
             dir,
             // The cosine is the density's times pi.
-            radiance_over_pdf: emitted * (PI * shape.area / chosen),
+            radiance_over_pdf: emitted * (PI * area / chosen),
             emitted,
-            pdf_pos: chosen / shape.area,
+            pdf_pos: chosen / area,
             pdf_dir: local.z / PI,
             kind: LightKind::Shape(index),
             light: LightId(index),

@@ -61,7 +61,7 @@ fn angle_less<R: Real>(cos_a: R, cos_b: R) -> R {
     R::pick(cos_b.above(cos_a), cos_a * cos_b + sin_a * sin_b, one)
 }
 
-/// A triangle, as [`Shape`](super::area::Shape).
+/// A triangle, as [`Shape`](super::shape::Shape).
 #[derive(Clone, Copy)]
 pub(super) struct TriangleAt<R: Real> {
     pub(super) corners: [Vector<R>; 3],
@@ -140,13 +140,27 @@ impl<R: Real> TriangleAt<R> {
     }
 }
 
-/// Points of triangles, seen from others.
+/// Points of lights, seen from others.
 pub(super) struct Aim<R: Real> {
-    /// Barycentric weights of the second and third corner.
+    /// The place, as `shape` has it.
     pub(super) position: [R; 2],
     /// Unit, towards it.
     pub(super) dir: Vector<R>,
     pub(super) dist: R,
     /// Density per solid angle; 0 from behind.
     pub(super) density: R,
+}
+
+impl<R: Real> Aim<R> {
+    /// Its own points in `mask`, else the other's.
+    #[inline(always)]
+    pub(super) fn or(self, mask: R::Mask, other: Self) -> Self {
+        let [[a, b], [c, d]] = [self.position, other.position];
+        Self {
+            position: [R::pick(mask, a, c), R::pick(mask, b, d)],
+            dir: Vector::pick(mask, self.dir, other.dir),
+            dist: R::pick(mask, self.dist, other.dist),
+            density: R::pick(mask, self.density, other.density),
+        }
+    }
 }

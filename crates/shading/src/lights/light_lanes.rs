@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Choosing lights for sixteen points at once: the walks of `light_tree` side by side, the triangles of a leaf side by side.
+//! Choosing lights for sixteen points at once: the walks of `light_tree` side by side, the shapes of a leaf side by side.
 //! Source: as `light_tree` and `area`; the layout is original. Space: world.
-//! A node, and a triangle, is a row of sixteen floats: sixteen points at different ones read sixteen rows and
+//! A node, and a shape, is a row of sixteen floats: sixteen points at different ones read sixteen rows and
 //! transpose them to columns, so that each costs a load and some shuffles. Two leaves with one parent are a
-//! block of sixteen triangles.
+//! block of sixteen shapes.
 //! Invariant: the samples of [`LightSet::sample`](super::LightSet::sample), bit for bit.
 //! Tests: `light_set_tests::lanes_choose_as_points_do`.
 
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
-use super::area::{EmitterPoint, Shape};
-use super::light_estimates::{Aim, GroupBounds, TriangleAt};
+use super::area::EmitterPoint;
+use super::light_estimates::{Aim, GroupBounds};
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
+use super::shape::{Shape, ShapeAt};
 use crate::lanes::{Floats, LANES, LanesOf, Mask, UInts, Vec3x16, transpose};
 use crate::real::{Real, Vector};
 use crate::sampling::distribution::ALMOST_ONE;
@@ -65,10 +66,10 @@ impl From<Option<LightSample>> for LightSamples<f32> {
 #[repr(align(64))]
 struct Row([f32; LANES]);
 
-/// The triangles of two leaves that have one parent, or of one leaf and nothing.
+/// The shapes of two leaves that have one parent, or of one leaf and nothing.
 #[derive(Clone, Debug)]
 struct Block {
-    /// Three corners, normal, area, power; zero where there is no triangle.
+    /// Three corners, normal, extent, power; zero where there is no shape.
     shape: [Row; 14],
     lights: [u32; LANES],
 }
@@ -80,16 +81,16 @@ const SINGLE: u32 = 1;
 /// A parent of two leaves, a block.
 const PAIR: u32 = 2;
 
-/// A light tree of triangles in rows.
+/// A light tree of shapes in rows.
 #[derive(Debug)]
 pub(super) struct LightLanes {
     /// By node: centre, half of the diagonal, square of the radius, axis, cosines of normals and emission, power; then as
     /// words the second child, the kind and the block.
     nodes: Vec<Row>,
     blocks: Vec<Block>,
-    /// By triangle: three corners, normal, area, radiance.
-    triangles: Vec<Row>,
-    /// By triangle: whether its radiance depends on the position. Empty if none does.
+    /// By shape: three corners, normal, extent, radiance.
+    shapes: Vec<Row>,
+    /// By shape: whether its radiance depends on the position. Empty if none does.
     uneven: Vec<bool>,
 }
 
@@ -105,14 +106,14 @@ struct End<S: Simd> {
 }
 
 impl LightLanes {
-    /// `None` where the tree is empty or not all of triangles.
+    /// `None` where the tree is empty or not all of shapes.
     pub(super) fn new(parts: &LightParts, tree: &LightTree) -> Option<Self> {
         let lights = parts.shapes.as_ref()?;
         if tree.is_empty() || !parts.points.is_empty() || !parts.spots.is_empty() {
             return None;
         }
         let mut lanes =
-            Self { nodes: Vec::new(), blocks: Vec::new(), triangles: Vec::new(), uneven: Vec::new() };
+            Self { nodes: Vec::new(), blocks: Vec::new(), shapes: Vec::new(), uneven: Vec::new() };
         for (at, node) in tree.nodes.iter().enumerate() {
             let (kind, leaves) = if node.lights > 0 {
                 (SINGLE, vec![node])
@@ -130,10 +131,9 @@ impl LightLanes {
         let even: Vec<_> = (0..lights.len()).map(|i| lights.even_radiance(i)).collect();
         for (shape, even) in lights.shapes.iter().zip(&even) {
             let mut row = [0.0; LANES];
-            write3(&mut row, &[shape.p[0], shape.p[1], shape.p[2], shape.normal]);
-            row[12] = shape.area;
+            row[..13].copy_from_slice(&shape.row());
             row[13..].copy_from_slice(&even.unwrap_or_default().to_array());
-            lanes.triangles.push(Row(row));
+            lanes.shapes.push(Row(row));
         }
         if even.iter().any(Option::is_none) {
             lanes.uneven = even.iter().map(Option::is_none).collect();
@@ -156,22 +156,22 @@ impl LightLanes {
         let (light, probability, found) = self.choose(&end, p, normal);
         let probability = lane_probability * probability;
         let light: [u32; LANES] = light.into();
-        let row = columns(simd, &self.triangles, &light);
+        let row = columns(simd, &self.shapes, &light);
         let zero = f32x16::splat(simd, 0.0);
         // Chosen already, so that its power counts no more.
-        let Aim { position: [b1, b2], dir, dist, density } = triangle_at(&row, zero).aim(p, [x, y], found);
+        let Aim { position: [b1, b2], dir, dist, density } = shape_at(&row, zero).aim(p, [x, y], found);
         let mut radiance = Vec3x16::new(row[13], row[14], row[15]);
-        if let (false, Some(triangles)) = (self.uneven.is_empty(), &parts.shapes) {
+        if let (false, Some(lights)) = (self.uneven.is_empty(), &parts.shapes) {
             let (mut requests, mut of) = ([EmitterPoint::default(); LANES], [0; LANES]);
             let mut count = 0;
             for i in LanesOf(found.to_bitmask()).filter(|&i| self.uneven[light[i] as usize]) {
-                let (triangle, slot_index, dir) = (light[i], [b1[i], b2[i]], dir.get(i));
-                let request = EmitterPoint { triangle, position: slot_index, dir, distance: dist[i] };
+                let (shape, position, dir) = (light[i], [b1[i], b2[i]], dir.get(i));
+                let request = EmitterPoint { shape, position, dir, distance: dist[i] };
                 (requests[count], of[count]) = (request, i);
                 count += 1;
             }
             let mut here = [Vec3::ZERO; LANES];
-            triangles.radiances(&requests[..count], &mut here);
+            lights.radiances(&requests[..count], &mut here);
             for (&i, here) in of[..count].iter().zip(here) {
                 (radiance.x[i], radiance.y[i], radiance.z[i]) = here.into();
             }
@@ -281,7 +281,7 @@ impl LightLanes {
         (u32x16::simd_from(simd, light), probability, found)
     }
 
-    /// Contribution of each triangle of each lane's block.
+    /// Contribution of each shape of each lane's block.
     #[inline(always)]
     fn contributions<S: Simd>(&self, end: &End<S>, p: Vec3x16<S>, normal: Vec3x16<S>) -> [Floats<S>; LANES] {
         let simd = end.rest.token();
@@ -295,7 +295,7 @@ impl LightLanes {
                     for (x, row) in shape.iter_mut().zip(&block.shape) {
                         *x = f32x16::splat(simd, row.0[k]);
                     }
-                    *contribution = triangle_at(&shape, shape[13]).contribution(p, Some(normal));
+                    *contribution = shape_at(&shape, shape[13]).contribution(p, Some(normal));
                 }
             }
             return contributions;
@@ -307,8 +307,7 @@ impl LightLanes {
             for (x, row) in shape.iter_mut().zip(rows) {
                 *x = f32x16::from_slice(simd, &row.0);
             }
-            contributions[i] =
-                triangle_at(&shape, shape[13]).contribution(p.spread(i), Some(normal.spread(i)));
+            contributions[i] = shape_at(&shape, shape[13]).contribution(p.spread(i), Some(normal.spread(i)));
         }
         transpose(contributions)
     }
@@ -322,8 +321,8 @@ impl Block {
             for (slot_index, &light) in (half * LEAF..).zip(lights) {
                 let shape = &shapes[light as usize];
                 let mut row = [0.0; 14];
-                write3(&mut row, &[shape.p[0], shape.p[1], shape.p[2], shape.normal]);
-                (row[12], row[13]) = (shape.area, shape.power);
+                row[..13].copy_from_slice(&shape.row());
+                row[13] = shape.power;
                 block.shape.iter_mut().zip(row).for_each(|(column, x)| column.0[slot_index] = x);
                 block.lights[slot_index] = light;
             }
@@ -389,11 +388,11 @@ fn group<S: Simd>(row: &[Floats<S>; LANES]) -> GroupBounds<f32x16<S>> {
     GroupBounds { centre, half, radius2, axis, cos_normals: row[10], cos_emission: row[11], power: row[12] }
 }
 
-/// A triangle of these columns.
+/// A shape of these columns.
 #[inline(always)]
-fn triangle_at<S: Simd>(shape: &[Floats<S>], power: Floats<S>) -> TriangleAt<f32x16<S>> {
-    let corners = [vector(shape, 0), vector(shape, 3), vector(shape, 6)];
-    TriangleAt { corners, normal: vector(shape, 9), area: shape[12], power }
+fn shape_at<S: Simd>(row: &[Floats<S>], power: Floats<S>) -> ShapeAt<f32x16<S>> {
+    let corners = [vector(row, 0), vector(row, 3), vector(row, 6)];
+    ShapeAt { corners, normal: vector(row, 9), extent: row[12], power }
 }
 
 impl<S: Simd> LightSampleX16<S> {

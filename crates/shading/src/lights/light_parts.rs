@@ -8,20 +8,18 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
-use super::{
-    ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, SpotLight, ShapeLights,
-};
+use super::{ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, ShapeLights, SpotLight};
 use crate::batch::SampleKey;
 use crate::sampling::{Basis, cosine_hemisphere, sample_pair, uniform_sphere};
 
-/// A light of a [`LightSet`](super::LightSet): triangles first, then points, spots, directional lights and the environment.
+/// A light of a [`LightSet`](super::LightSet): shapes first, then points, spots, directional lights and the environment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightId(pub u32);
 
 /// The kind of a light, and its index among those of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightKind {
-    /// A triangle that emits to one side.
+    /// A triangle that emits to one side, or a sphere.
     Shape(u32),
     /// From a point to all sides.
     Point(u32),
@@ -45,10 +43,10 @@ pub enum EnvironmentLight {
 /// The input of a light set.
 #[derive(Clone, Default)]
 pub struct LightParts {
-    /// Emissive triangles.
+    /// Emissive shapes.
     pub shapes: Option<Arc<ShapeLights>>,
-    /// The names of a hit on each of them: leaf (the instance's object), mesh and triangle; ascending, twice
-    /// where both sides emit.
+    /// The names of a hit on each of them: leaf (the instance's object), mesh and primitive; ascending, twice
+    /// where both sides of a triangle emit.
     pub shape_ids: Arc<Vec<[u32; 3]>>,
     /// Lights without extent.
     pub points: Vec<PointLight>,
@@ -158,16 +156,16 @@ impl EnvironmentLight {
 impl LightParts {
     /// Whether the lights with a position are identical.
     pub(super) fn same_near(&self, other: &Self) -> bool {
-        let same_triangles = match (&self.shapes, &other.shapes) {
+        let same_shapes = match (&self.shapes, &other.shapes) {
             (Some(one), Some(other)) => Arc::ptr_eq(one, other),
             (None, None) => true,
             _ => false,
         };
-        same_triangles && self.points == other.points && self.spots == other.spots
+        same_shapes && self.points == other.points && self.spots == other.spots
     }
 
     pub(super) fn shape_count(&self) -> usize {
-        self.shapes.as_ref().map_or(0, |triangles| triangles.len())
+        self.shapes.as_ref().map_or(0, |shapes| shapes.len())
     }
 
     /// Lights with a position.

@@ -19,6 +19,7 @@ use super::light_estimates::Aim;
 use super::light_lanes::LightLanes;
 use super::light_parts::{LightId, LightKind, LightParts, LightSample, is_sound};
 use super::light_tree::{LightBounds, LightTree};
+use super::shape::Shape;
 use crate::sampling::{Choice, Distribution};
 
 /// All lights.
@@ -35,7 +36,7 @@ pub struct LightSet {
 /// The choice of lights that have a position.
 pub(super) struct NearLights {
     pub(super) tree: LightTree,
-    /// The tree for many points at once, where all its lights are triangles.
+    /// The tree for many points at once, where all its lights are shapes.
     pub(super) lanes: Option<LightLanes>,
 }
 
@@ -113,8 +114,8 @@ impl LightSet {
         LightKind::Environment
     }
 
-    /// The number of the emissive triangle that a ray along `dir` hit, given leaf, mesh and triangle; for a
-    /// two-sided one that of the hit side.
+    /// The number of the emissive shape that a ray along `dir` hit, given leaf, mesh and primitive; for a
+    /// two-sided triangle that of the hit side.
     #[must_use]
     pub fn shape(&self, met: [u32; 3], dir: Vec3) -> Option<u32> {
         let ids = &self.parts.shape_ids;
@@ -122,8 +123,8 @@ impl LightSet {
         if ids.get(first) != Some(&met) {
             return None;
         }
-        let triangles = self.parts.shapes.as_ref()?;
-        let is_behind = ids.get(first + 1) == Some(&met) && triangles.shapes[first].normal.dot(dir) > 0.0;
+        let lights = self.parts.shapes.as_ref()?;
+        let is_behind = ids.get(first + 1) == Some(&met) && lights.shapes[first].normal.dot(dir) > 0.0;
         Some((first + usize::from(is_behind)) as u32)
     }
 
@@ -176,11 +177,11 @@ impl LightSet {
         };
         match self.kind(id) {
             LightKind::Shape(i) => {
-                let triangles = self.parts.shapes.as_ref()?;
-                let shape = &triangles.shapes[i as usize];
+                let lights = self.parts.shapes.as_ref()?;
+                let shape = &lights.shapes[i as usize];
                 let Aim { position, dir, dist, density } = shape.seen().aim(p.into(), u, true);
                 let (dir, pdf) = (dir.into(), probability * density);
-                let radiance = triangles.radiance(i as usize, position, dir, dist);
+                let radiance = lights.radiance(i as usize, position, dir, dist);
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
             LightKind::Point(i) => {
@@ -219,33 +220,32 @@ impl LightSet {
         Some(LightSample { dir, dist: f32::INFINITY, radiance, pdf: probability * pdf, delta: false, light })
     }
 
-    /// Density with which [`sample`](Self::sample) finds emissive triangle `triangle` along the unit direction `dir`,
+    /// Density with which [`sample`](Self::sample) finds emissive shape `shape` along the unit direction `dir`,
     /// `dist` away; 0 on its dark side.
     #[must_use]
-    pub fn pdf_shape(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
-        let here = self.pdf_shape_in_group(p, ns, triangle, dir, dist);
+    pub fn pdf_shape(&self, p: Vec3, ns: Vec3, shape: u32, dir: Vec3, dist: f32) -> f32 {
+        let here = self.pdf_shape_in_group(p, ns, shape, dir, dist);
         if here > 0.0 { self.group_share(0, p, ns) * here } else { 0.0 }
     }
 
     /// The same where its group was named.
     #[must_use]
-    pub fn pdf_shape_in_group(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
-        let Some(triangles) = &self.parts.shapes else { return 0.0 };
-        let shape = &triangles.shapes[triangle as usize];
-        let here = shape.seen().density(p.into(), dir.into(), dist);
+    pub fn pdf_shape_in_group(&self, p: Vec3, ns: Vec3, shape: u32, dir: Vec3, dist: f32) -> f32 {
+        let Some(lights) = &self.parts.shapes else { return 0.0 };
+        let here = lights.shapes[shape as usize].seen().density(p.into(), dir.into(), dist);
         if here <= 0.0 {
             return 0.0;
         }
         let contribution = |light| self.contribution(light, p, ns);
-        self.near.tree.probability(triangle, p, ns, contribution) * here
+        self.near.tree.probability(shape, p, ns, contribution) * here
     }
 
-    /// Radiance of emissive triangle `triangle` against a ray along `dir` that came `distance` far and hit it at these
+    /// Radiance of an emissive shape against a ray along `dir` that came `distance` far and met it at a point, and at these
     /// weights of the mesh's second and third corner.
     #[must_use]
-    pub fn radiance_of_shape(&self, triangle: u32, met: [f32; 2], dir: Vec3, distance: f32) -> Vec3 {
-        let triangles = self.parts.shapes.as_ref();
-        triangles.map_or(Vec3::ZERO, |all| all.radiance_where_met(triangle as usize, met, dir, distance))
+    pub fn radiance_of_shape(&self, shape: u32, met: ([f32; 2], Vec3), dir: Vec3, distance: f32) -> Vec3 {
+        let lights = self.parts.shapes.as_ref();
+        lights.map_or(Vec3::ZERO, |all| all.radiance_where_met(shape as usize, met, dir, distance))
     }
 
     /// Density with which [`sample`](Self::sample) finds the environment along the unit direction `dir`.
@@ -284,8 +284,8 @@ impl LightSet {
             let contribution = intensity(-dir) * cos / distance2;
             if contribution.is_finite() { contribution } else { 0.0 }
         };
-        if let Some(triangles) = &self.parts.shapes
-            && let Some(shape) = triangles.shapes.get(light as usize)
+        if let Some(lights) = &self.parts.shapes
+            && let Some(shape) = lights.shapes.get(light as usize)
         {
             return shape.contribution(p, ns);
         }
@@ -299,7 +299,7 @@ impl LightSet {
                 let brightness = luminance(spot.intensity.into());
                 from_point(spot.position, &|away| brightness * spot.falloff(away.dot(spot.axis)))
             }
-            // Triangles were above; the others have no position.
+            // Shapes were above; the others have no position.
             LightKind::Shape(_) | LightKind::Directional(_) | LightKind::Environment => 0.0,
         }
     }
@@ -317,17 +317,6 @@ fn ball([low, high]: [Vec3; 2]) -> (Vec3, f32) {
 
 /// Lights with a position, as the tree's input.
 fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
-    let triangle = |shape: &super::area::Shape| {
-        let [a, b, c] = shape.p;
-        LightBounds {
-            min: a.min(b).min(c),
-            max: a.max(b).max(c),
-            axis: shape.normal,
-            cos_normals: 1.0,
-            cos_emission: 0.0,
-            power: shape.power,
-        }
-    };
     let at = |p: Vec3, intensity: Vec3| LightBounds {
         min: p,
         max: p,
@@ -336,7 +325,7 @@ fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
         cos_emission: 0.0,
         power: luminance(intensity.into()),
     };
-    let triangles = parts.shapes.iter().flat_map(|triangles| triangles.shapes.iter().map(triangle));
+    let shapes = parts.shapes.iter().flat_map(|lights| lights.shapes.iter().map(Shape::bounds));
     let points = parts.points.iter().map(|light| at(light.position, light.intensity));
     let spots = parts.spots.iter().map(|light| LightBounds {
         axis: light.axis,
@@ -344,7 +333,7 @@ fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
         cos_emission: light.cos_outer,
         ..at(light.position, light.intensity)
     });
-    triangles.chain(points).chain(spots).map(Some).collect()
+    shapes.chain(points).chain(spots).map(Some).collect()
 }
 
 fn bright(color: Vec3) -> f64 {
@@ -354,14 +343,13 @@ fn bright(color: Vec3) -> f64 {
 /// Watts of each light with a position, by brightness.
 fn near_powers(parts: &LightParts) -> impl Iterator<Item = f64> + '_ {
     let pi = f64::from(PI);
-    let triangles =
-        parts.shapes.iter().flat_map(move |t| t.shapes.iter().map(move |s| pi * f64::from(s.power)));
+    let shapes = parts.shapes.iter().flat_map(|lights| lights.shapes.iter().map(Shape::watts));
     let points = parts.points.iter().map(move |light| 4.0 * pi * bright(light.intensity));
     let spots = parts
         .spots
         .iter()
         .map(move |light| 2.0 * pi * f64::from(1.0 - light.cos_outer) * bright(light.intensity));
-    triangles.chain(points).chain(spots)
+    shapes.chain(points).chain(spots)
 }
 
 /// Watts of each light from far away, by brightness, that a ball of radius `radius` catches.

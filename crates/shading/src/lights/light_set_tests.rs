@@ -23,15 +23,19 @@ fn numbers(sample: u32) -> [f32; 3] {
 }
 
 fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<ShapeLights>> {
+    shapes(corners.iter().map(|&p| Outline::Triangle(p)), radiance)
+}
+
+fn shapes(outlines: impl Iterator<Item = Outline>, radiance: &[f32]) -> Option<Arc<ShapeLights>> {
     let emitter = |&x: &f32| {
         let emission = Emission::constant(Vec3::new(x, 2.0 * x, 3.0 * x));
         Arc::new(Emitter::new(emission, None))
     };
     let emitters: Vec<_> = radiance.iter().map(emitter).collect();
-    let list = corners.iter().enumerate().map(|(i, &p)| EmissiveShape {
+    let list = outlines.enumerate().map(|(i, outline)| EmissiveShape {
         is_turned: false,
         opacity: [1.0; 3],
-        p,
+        outline,
         uv: [[0.0; 2]; 3],
         emitter: (i % radiance.len()) as u32,
         brightness: emitters[i % radiance.len()].mean_over(&[[0.0; 2]; 3], [1.0; 3]),
@@ -77,15 +81,18 @@ fn irradiance(lights: &LightSet, p: Vec3, up: Vec3, n: u32) -> Vec3 {
 
 /// Lights of many sizes and directions, a light without extent of each kind, and the sky.
 fn everything() -> LightSet {
-    let emissive_triangle = |i: usize| {
+    let emissive_shape = |i: usize| {
         let middle = Vec3::new((i % 8) as f32 - 3.5, (i / 8) as f32 - 3.0, [1.0, 2.0, -0.5][i % 3]);
         let size = 0.1 + 0.1 * (i % 7) as f32;
         let p = [middle, middle + Vec3::Y * size, middle + Vec3::X * size];
-        if i % 4 < 3 { p } else { [p[0], p[2], p[1]] }
+        match i % 8 {
+            5 => Outline::Sphere { center: middle, radius: 0.5 * size },
+            0 | 1 | 2 | 4 | 6 => Outline::Triangle(p),
+            _ => Outline::Triangle([p[0], p[2], p[1]]),
+        }
     };
-    let emissive_triangles: Vec<_> = (0..48).map(emissive_triangle).collect();
     set(LightParts {
-        shapes: triangles(&emissive_triangles, &[1.0, 5.0, 20.0]),
+        shapes: shapes((0..48).map(emissive_shape), &[1.0, 5.0, 20.0]),
         points: vec![PointLight { position: Vec3::new(0.5, 0.0, 2.0), intensity: Vec3::ONE }],
         spots: SpotLight::new(Vec3::new(0.0, 1.0, 2.0), -Vec3::Z, Vec3::ONE, 0.3, 0.6).into_iter().collect(),
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
@@ -104,6 +111,36 @@ fn rectangle_has_its_closed_form() {
     assert!((found.z / found.x - 3.0).abs() < 1e-4, "in all colours");
     let behind = irradiance(&lights, Vec3::new(0.0, 0.0, 2.0), -Vec3::Z, 256);
     assert_eq!(behind, Vec3::ZERO, "light leaves one side only");
+}
+
+/// The irradiance of a sphere above the horizon is pi L (r / d)² cos; through the horizon its sum over points in the cone.
+#[test]
+fn sphere_has_its_closed_form() {
+    let of = |center, radius| {
+        let sphere = Outline::Sphere { center, radius };
+        set(LightParts { shapes: shapes([sphere].into_iter(), &[2.0]), ..LightParts::default() })
+    };
+    for (center, radius) in [
+        (Vec3::new(0.0, 0.0, 3.0), 1.0),
+        (Vec3::new(2.0, -1.0, 1.0), 0.9),
+        (Vec3::new(50.0, 0.0, 60.0), 0.01),
+    ] {
+        let exact = 2.0 * PI * radius * radius / center.length_squared() * (center.z / center.length());
+        let found = irradiance(&of(center, radius), Vec3::ZERO, Vec3::Z, 1 << 14);
+        assert!((found.x / exact - 1.0).abs() < 1e-3, "{center}: {} instead of {exact}", found.x);
+        assert!((found.z / found.x - 3.0).abs() < 1e-3, "in all colours");
+    }
+    // Half below: the closed form of a sphere whose centre is on the horizon, (asin(s) - s sqrt(1 - s²)) L with s = r / d.
+    let s = 0.5_f32;
+    let exact = 2.0 * (s.asin() - s * (1.0 - s * s).sqrt());
+    let found = irradiance(&of(Vec3::new(2.0, 0.0, 0.0), 1.0), Vec3::ZERO, Vec3::Z, 1 << 16).x;
+    assert!((found / exact - 1.0).abs() < 5e-3, "{found} instead of {exact}");
+    assert_eq!(
+        irradiance(&of(-3.0 * Vec3::Z, 1.0), Vec3::ZERO, Vec3::Z, 256),
+        Vec3::ZERO,
+        "below the horizon"
+    );
+    assert_eq!(irradiance(&of(Vec3::ZERO, 1.0), Vec3::ZERO, Vec3::Z, 256), Vec3::ZERO, "inside");
 }
 
 #[test]
@@ -299,6 +336,14 @@ fn emission_adds_up_to_the_power() {
         (LightParts { shapes: triangles(&square(), &[1.0]), ..LightParts::default() }, 4.0 * PI, "square"),
         (
             LightParts {
+                shapes: shapes([Outline::Sphere { center: Vec3::X, radius: 0.5 }].into_iter(), &[1.0]),
+                ..LightParts::default()
+            },
+            PI * PI,
+            "sphere",
+        ),
+        (
+            LightParts {
                 points: vec![PointLight { position: Vec3::ONE, intensity: Vec3::splat(2.0) }],
                 ..LightParts::default()
             },
@@ -378,7 +423,7 @@ fn what_was_hit_is_found() {
     let lights = everything();
     assert_eq!(lights.shape([0, 0, 17], Vec3::Z), Some(17), "a triangle that shines");
     assert_eq!(lights.shape([0, 1, 17], Vec3::Z), None, "one that does not");
-    assert_eq!(lights.kind(LightId(48)), LightKind::Point(0), "points come after triangles");
+    assert_eq!(lights.kind(LightId(48)), LightKind::Point(0), "points come after shapes");
     assert_eq!(lights.kind(LightId(51)), LightKind::Environment, "the environment comes last");
     assert!(
         set(LightParts::default()).sample(Vec3::ZERO, Vec3::Z, [0.5; 3]).is_none(),
@@ -428,13 +473,38 @@ fn lanes_choose_as_points_do() {
     let emissive_triangles =
         |n: usize| triangles(&(0..n).map(emissive_triangle).collect::<Vec<_>>(), &[1.0, 5.0, 20.0]);
     let of = |n| set(LightParts { shapes: emissive_triangles(n), ..LightParts::default() });
+    // Of spheres, and of both.
+    let mixed = |n: usize, every: usize| {
+        let outline = |i: usize| {
+            let p = emissive_triangle(i);
+            if i.is_multiple_of(every) {
+                Outline::Sphere { center: p[0], radius: 0.1 }
+            } else {
+                Outline::Triangle(p)
+            }
+        };
+        set(LightParts { shapes: shapes((0..n).map(outline), &[1.0, 5.0, 20.0]), ..LightParts::default() })
+    };
     let with_sky = set(LightParts {
         shapes: emissive_triangles(30),
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
         environment: Some(picture()),
         ..LightParts::default()
     });
-    let sets = [of(0), of(1), of(7), of(11), of(60), of(500), with_sky, everything()];
+    let sets = [
+        of(0),
+        of(1),
+        of(7),
+        of(11),
+        of(60),
+        of(500),
+        with_sky,
+        everything(),
+        mixed(1, 1),
+        mixed(40, 1),
+        mixed(9, 2),
+        mixed(90, 3),
+    ];
     for (which, lights) in sets.iter().enumerate() {
         let (mut lit, mut dark) = (0, 0);
         for round in 0..200_u32 {

@@ -17,11 +17,11 @@ mod light_set_tests;
 mod light_tree;
 mod places;
 mod punctual;
+mod shape;
+mod sphere;
 mod spherical;
 
-pub use area::{
-    EmissiveShape, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, ShapeLights, looking_at,
-};
+pub use area::{EmissiveShape, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, ShapeLights, looking_at};
 pub use environment::{ConstantEnvironment, PictureEnvironment};
 pub use lamp_points::{LampPoint, Place};
 pub use light_emission::LightRay;
@@ -29,3 +29,4 @@ pub use light_lanes::{LightSampleX16, LightSamples};
 pub use light_parts::{EnvironmentLight, LightId, LightKind, LightParts, LightSample};
 pub use light_set::LightSet;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
+pub use shape::Outline;

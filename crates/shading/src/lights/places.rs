@@ -8,7 +8,6 @@ use gnurt_image::srgb::luminance;
 
 use super::light_parts::{LightId, LightKind};
 use super::light_set::LightSet;
-use crate::sampling;
 
 impl LightSet {
     /// Whether some light has a position.
@@ -21,11 +20,10 @@ impl LightSet {
     /// `None` if no light has a position. Lamps count whatever side of them `p` sees.
     #[must_use]
     pub fn near_place(&self, p: Vec3, [choice, x, y]: [f32; 3]) -> Option<Vec3> {
-        let triangle =
-            |light: u32| self.parts.shapes.as_ref().and_then(|all| all.shapes.get(light as usize));
+        let shape = |light: u32| self.parts.shapes.as_ref().and_then(|all| all.shapes.get(light as usize));
         let brightness = |light: u32| {
-            let (place, power, least) = match (triangle(light), self.kind(LightId(light))) {
-                (Some(shape), _) => (shape.p[0], shape.power, shape.area),
+            let (place, power, least) = match (shape(light), self.kind(LightId(light))) {
+                (Some(shape), _) => (shape.p[0], shape.power, shape.area()),
                 (None, LightKind::Point(i)) => {
                     let point = &self.parts.points[i as usize];
                     (point.position, luminance(point.intensity.into()), 0.0)
@@ -40,9 +38,8 @@ impl LightSet {
             if brightness.is_finite() { brightness } else { f32::MAX.sqrt() }
         };
         let (light, _) = self.near.tree.choose(p, Vec3::ZERO, choice, brightness)?;
-        if let Some(shape) = triangle(light) {
-            let [b, c] = sampling::triangle([x, y]);
-            return Some(shape.p[0] + (shape.p[1] - shape.p[0]) * b + (shape.p[2] - shape.p[0]) * c);
+        if let Some(shape) = shape(light) {
+            return Some(shape.point(shape.place([x, y])));
         }
         match self.kind(LightId(light)) {
             LightKind::Point(i) => Some(self.parts.points[i as usize].position),

@@ -77,9 +77,9 @@ impl Chain {
         ids: [u32; 3],
         (from, to, dir): (Vec3, Vec3, Vec3),
     ) -> f32 {
-        let Some(triangle) = lights.shape(ids, dir) else { return 1.0 };
-        let Some(area) = lights.area_across(LightId(triangle), dir) else { return 1.0 };
-        let probability = caustics.probability(triangle);
+        let Some(shape) = lights.shape(ids, dir) else { return 1.0 };
+        let Some(area) = lights.area_across(LightId(shape), to, dir) else { return 1.0 };
+        let probability = caustics.probability(shape);
         let dist = (to - from).length();
         if probability > 0.0 { self.weight(dir, dist, (area, probability)) } else { 1.0 }
     }

@@ -36,8 +36,8 @@ pub(crate) fn find(tracer: &mut BatchTracer) -> Option<Caustics> {
     }
     let smooth = smooth_materials(tracer);
     let meshes = world.meshes_of(|material| smooth.get(material).copied().unwrap_or(false));
-    let is_lamp = |triangles: std::ops::Range<usize>, parts: &[Part]| {
-        options.caustics == Choice::On || is_small(lights, triangles, parts)
+    let is_lamp = |shapes: std::ops::Range<usize>, parts: &[Part]| {
+        options.caustics == Choice::On || is_small(lights, shapes, parts)
     };
     Caustics::new(lights, (smooth, meshes), is_lamp)
 }
@@ -96,12 +96,12 @@ fn smooth_materials(tracer: &mut BatchTracer) -> Vec<bool> {
     of_material.iter().enumerate().map(&mut is_smooth).collect()
 }
 
-/// Whether triangles of one mesh are a small lamp as smooth surfaces see it.
-fn is_small(lights: &LightSet, triangles: std::ops::Range<usize>, parts: &[Part]) -> bool {
+/// Whether emissive shapes of one mesh are a small lamp as smooth surfaces see it.
+fn is_small(lights: &LightSet, shapes: std::ops::Range<usize>, parts: &[Part]) -> bool {
     let (mut area, mut center, mut count) = (0.0, Vec3::ZERO, 0.0);
-    for [a, b, c] in triangles.filter_map(|i| lights.corners(i as u32)) {
-        area += 0.5 * (b - a).cross(c - a).length();
-        center += (a + b + c) / 3.0;
+    for (of_shape, middle) in shapes.filter_map(|i| lights.extent(i as u32)) {
+        area += of_shape;
+        center += middle;
         count += 1.0;
     }
     let center = center / count;

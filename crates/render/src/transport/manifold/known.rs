@@ -59,10 +59,10 @@ impl Caustics {
         let ids = lights.shape_ids();
         let mut first = 0;
         for mesh in ids.chunk_by(|a, b| a[..2] == b[..2]) {
-            let triangles = first..first + mesh.len();
-            first = triangles.end;
-            if is_lamp(triangles.clone(), &parts) {
-                lamps.extend(triangles.map(|i| LightId(i as u32)));
+            let shapes = first..first + mesh.len();
+            first = shapes.end;
+            if is_lamp(shapes.clone(), &parts) {
+                lamps.extend(shapes.map(|i| LightId(i as u32)));
             }
         }
         let others = (ids.len() as u32..lights.len() as u32).map(LightId);
@@ -92,9 +92,9 @@ impl Caustics {
         self.smooth.get(material as usize).copied().unwrap_or(false)
     }
 
-    /// The probability that a search chooses an emissive triangle.
-    pub(super) fn probability(&self, triangle: u32) -> f32 {
-        self.searched.get(triangle as usize).copied().unwrap_or(0.0)
+    /// The probability that a search chooses an emissive shape.
+    pub(super) fn probability(&self, shape: u32) -> f32 {
+        self.searched.get(shape as usize).copied().unwrap_or(0.0)
     }
 
     /// A point of a lamp, and the probability of the choice.

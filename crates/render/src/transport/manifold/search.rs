@@ -264,7 +264,11 @@ impl Search {
         let (value, density) = rough.bsdf.eval_pdf(rough.wo, trace.dir);
         let spread = area_of(&trace.change, trace.heading, miss.dist).recip();
         let (mut weight, mut of_chance) = (spread / (rough.chance * probability), f32::INFINITY);
-        if let Some(area) = around.world.light_set().area_across(self.lamp.light, trace.heading) {
+        let on_lamp = match self.lamp.place {
+            Place::At(p) => around.world.light_set().area_across(self.lamp.light, p, trace.heading),
+            Place::Towards(_) => None,
+        };
+        if let Some(area) = on_lamp {
             // Scattered rays find it, too.
             let scattered = rough.rays * density;
             let searched = probability / (area * spread);
