@@ -6,6 +6,7 @@ times pi, which Blender spreads over its sphere. Space: world.
 """
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -136,30 +137,6 @@ surface blender_lamp (color light = 1, vector axis = vector(0, 0, -1), float con
 """
 
 
-def icosphere(levels=2):
-    """A sphere of triangles of equal size; scaled to the area of a sphere of radius 1."""
-    t = (1 + math.sqrt(5)) / 2
-    points = [(-1, t, 0), (1, t, 0), (-1, -t, 0), (1, -t, 0), (0, -1, t), (0, 1, t), (0, -1, -t), (0, 1, -t), (t, 0, -1), (t, 0, 1), (-t, 0, -1), (-t, 0, 1)]
-    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6), (7, 1, 8)]
-    faces += [(3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]
-    points, faces = np.array(points, float), np.array(faces)
-    for _ in range(levels):
-        p = points[faces]
-        middle = [(p[:, i] + p[:, (i + 1) % 3]) / 2 for i in range(3)]
-        parts = [(p[:, 0], middle[0], middle[2]), (middle[0], p[:, 1], middle[1]), (middle[2], middle[1], p[:, 2]), (middle[0], middle[1], middle[2])]
-        soup = np.concatenate([np.stack(part, axis=1) for part in parts])
-        soup /= np.linalg.norm(soup, axis=2, keepdims=True)
-        points, inverse = np.unique(np.round(soup.reshape(-1, 3), 9), axis=0, return_inverse=True)
-        faces = inverse.reshape(-1, 3)
-    points /= np.linalg.norm(points, axis=1, keepdims=True)
-    return points * math.sqrt(4 * math.pi / area_of(points, faces)), faces
-
-
-def area_of(points, faces):
-    p = points[faces]
-    return 0.5 * np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum()
-
-
 def flat_shape(shape, size, size_y, segments=48):
     """A rectangle or an ellipse of exact area around the origin that faces -z."""
     if shape in {"SQUARE", "RECTANGLE"}:
@@ -260,11 +237,13 @@ class Lamp:
                 return
         radius = max(radius, 1e-3)
         area = 4 * math.pi * radius * radius
-        points, faces = icosphere()
         light = self.color / (math.pi * area) if normalize else self.color / math.pi
         if data.shadow_soft_size <= 0 and not normalize:
             light = self.color / (math.pi * radius) ** 2
-        self.shape(points * radius + where, faces, light, self.spot(), is_sampled)
+        # Lamps that move stay what they are.
+        place = np.eye(4)
+        place[:3, 3] = where
+        self.shape(partial(self.export.scene.add_points, [(0, 0, 0)], [radius], transform=place), light, self.spot(), is_sampled)
 
     def sun(self):
         radius = math.sin(min(self.data.angle, math.pi) / 2)
@@ -287,7 +266,7 @@ class Lamp:
         radius = max(radius, 1e-4)
         points, faces, _ = flat_shape("ELLIPSE", 2 * FAR * math.tan(math.asin(radius)), 2 * FAR * math.tan(math.asin(radius)))
         points = points @ self.turn.T + FAR * self.turn[:, 2]
-        self.shape(points, faces, color / (math.pi * radius * radius), {}, given=["other"])
+        self.shape(partial(self.export.scene.add_mesh, points, faces), color / (math.pi * radius * radius), {}, given=["other"])
 
     def area(self):
         data = self.data
@@ -309,7 +288,7 @@ class Lamp:
             place = {"where": tuple(self.matrix[:3, 3]), "side": tuple(self.turn[:, 0]), "up": tuple(self.turn[:, 1]), "axis": tuple(-self.turn[:, 2])}
             place |= {"wide": max(size, 1e-6), "high": max(size_y, 1e-6), "is_round": int(shape == "ELLIPSE")}
             self.export.scene.add_light_shader(NARROW, parameters={"light": tuple(light), **place, **parameters})
-        self.shape(points, faces, light, parameters, is_narrow)
+        self.shape(partial(self.export.scene.add_mesh, points, faces), light, parameters, is_narrow)
 
     def has_nodes(self):
         if self.is_plain:
@@ -317,8 +296,8 @@ class Lamp:
         tree = getattr(self.data, "node_tree", None)
         return bool(getattr(self.data, "use_nodes", False) and tree)
 
-    def shape(self, points, faces, light, parameters, is_mirrored=False, given=None):
-        """A mesh that emits; to mirrors and the camera only if something else lights the scene in its place."""
+    def shape(self, add, light, parameters, is_mirrored=False, given=None):
+        """A surface that emits, which `add` adds to the scene; to mirrors and the camera only if something else lights the scene in its place."""
         export = self.export
         body, extra = "light", {}
         if self.has_nodes():
@@ -335,4 +314,4 @@ class Lamp:
         rays = [*(["camera"] if export.lamp_shows(self.object) else []), *(["other"] if light.any() else [])]
         rays = given or rays
         if rays:
-            export.scene.add_mesh(points, faces, material=material, rays=rays, name=self.object.name)
+            add(material=material, rays=rays, name=self.object.name)

@@ -24,7 +24,6 @@ use crate::motion::Motion;
 use crate::osl::Library;
 use crate::surface::{self, Coverage};
 use crate::texture::{Encoding, Image, Input, Texture};
-use crate::transform::{cross, dot};
 
 /// Bytes that a shape costs beside its mesh.
 const SHAPE_BYTES: usize = 1024;
@@ -107,17 +106,6 @@ pub(crate) struct Shown {
     pub(crate) location: Location,
 }
 
-/// The area of a mesh where it is shown.
-fn area(mesh: &Mesh, transform: &Affine) -> f64 {
-    let of = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|i| transform.point(mesh.positions[i as usize].map(f64::from)));
-        let minus = |p: [f64; 3]| [0, 1, 2].map(|k| p[k] - a[k]);
-        let normal = cross(minus(b), minus(c));
-        0.5 * dot(normal, normal).sqrt()
-    };
-    mesh.indices.iter().map(of).sum()
-}
-
 /// The mean of a picture.
 fn mean(texels: &Texels) -> [f32; 3] {
     let mut sum = [0.0_f64; 3];
@@ -197,7 +185,7 @@ impl<'a> Builder<'a> {
         self.access.budget.hold(SHAPE_BYTES).map_err(|e| location.excess(e))?;
         let light = area_light.map(|light| {
             let world_from_shape = self.world_from_file * transforms[0];
-            let radiance = self.radiance(&light, || area(&mesh, &world_from_shape));
+            let radiance = self.radiance(&light, || mesh.area(&world_from_shape));
             (light, radiance)
         });
         let picks = |input: &Input| match input {

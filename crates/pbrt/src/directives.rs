@@ -691,11 +691,18 @@ impl<'a> Reader<'a> {
         let wants_texcoords = self.builder.is_textured(self.state.material)
             || matches!(alpha, Some(Input::Texture(_)))
             || area_light.as_ref().is_some_and(|light| light.picture.is_some());
+        // A lamp whose light is the same all around: spheres have no texture coordinates.
+        let is_plain = area_light.as_ref().is_some_and(|light| light.picture.is_none() && !light.both_sides);
+        let takes_spheres = is_plain
+            && alpha.is_none()
+            && !self.state.reversed
+            && self.state.transforms.iter().all(Affine::is_similarity);
         let mut reading = shapes::Reading {
             access,
             warnings: &mut self.builder.warnings,
             reversed: self.state.reversed,
             wants_texcoords,
+            takes_spheres,
         };
         let mut transforms = self.state.transforms;
         let (mesh, signature) = shapes::read(&class, &parameters, &mut reading, &mut transforms)?;

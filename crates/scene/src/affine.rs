@@ -97,6 +97,18 @@ impl Affine {
             + c[0] * (a[1] * b[2] - a[2] * b[1])
     }
 
+    /// Whether it keeps the form of everything, and turns spheres into spheres: it scales all directions alike.
+    #[must_use]
+    pub fn is_similarity(&self) -> bool {
+        let [a, b, c, _] = self.columns;
+        let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        let square = dot(a, a);
+        let near = |x: f64, y: f64| (x - y).abs() <= 1e-6 * square;
+        near(dot(b, b), square)
+            && near(dot(c, c), square)
+            && [dot(a, b), dot(b, c), dot(c, a)].into_iter().all(|x| near(x, 0.0))
+    }
+
     /// The transform that undoes this one, or `None` where it flattens space or has a value that is not finite.
     #[must_use]
     pub fn inverse(&self) -> Option<Self> {

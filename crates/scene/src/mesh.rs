@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::affine::Affine;
 use crate::id::MaterialId;
 use crate::primitives::Primitives;
 
@@ -91,6 +92,30 @@ impl Mesh {
             Primitives::Triangles => self.indices.len(),
             Primitives::Curves(curves) => curves.segments.len(),
             Primitives::Spheres(radii) => radii.len(),
+        }
+    }
+
+    /// The area of its triangles, or of its spheres, where a transform puts them; of spheres it must be a similarity. Curves have none.
+    #[must_use]
+    pub fn area(&self, to: &Affine) -> f64 {
+        match &self.primitives {
+            Primitives::Triangles => {
+                let corner = |i: u32| to.point(self.positions[i as usize].map(f64::from));
+                let of = |triangle: &[u32; 3]| {
+                    let [a, b, c] = triangle.map(corner);
+                    let [u, v]: [[f64; 3]; 2] = [b, c].map(|p| std::array::from_fn(|k| p[k] - a[k]));
+                    let cross =
+                        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+                    0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt()
+                };
+                self.indices.iter().map(of).sum()
+            }
+            Primitives::Spheres(radii) => {
+                let scale2 = to.columns[0].iter().map(|x| x * x).sum::<f64>();
+                let squares = radii.iter().map(|&radius| f64::from(radius).powi(2)).sum::<f64>();
+                4.0 * std::f64::consts::PI * scale2 * squares
+            }
+            Primitives::Curves(_) => 0.0,
         }
     }
 

@@ -153,7 +153,11 @@ impl Builder<'_> {
                 self.point(prim, &transform);
             }
             "SphereLight" => {
-                let mesh = shapes::ball(reader.light_number(prim, "radius", 0.5).abs(), BALL);
+                let radius = reader.light_number(prim, "radius", 0.5).abs();
+                // A picture on it needs coordinates, which spheres have not.
+                let is_plain =
+                    transform.is_similarity() && reader.value(prim, "inputs:texture:file").is_none();
+                let mesh = if is_plain { shapes::exact_ball(radius) } else { shapes::ball(radius, BALL) };
                 self.luminaire(prim, Luminaire::Sphere, mesh, &transform, placed);
             }
             "CylinderLight" if reader.flag(prim, "treatAsLine") == Some(true) => {
@@ -314,7 +318,7 @@ impl Builder<'_> {
         transform: &Affine,
         placed: &mut Vec<Placed>,
     ) {
-        if transform.inverse().is_none() || mesh.indices.is_empty() {
+        if transform.inverse().is_none() || mesh.primitive_count() == 0 {
             return;
         }
         mesh.material = self
@@ -334,7 +338,7 @@ impl Builder<'_> {
         if reader.flag(prim, "inputs:normalize") == Some(true) {
             // Areas in the units of the stage.
             let unit = self.root.determinant().abs().cbrt();
-            let area = area_of(self.scene.mesh(id), transform) / (unit * unit);
+            let area = self.scene.mesh(id).area(transform) / (unit * unit);
             radiance = radiance.map(|x| x / area.max(f64::MIN_POSITIVE));
         }
         if self.is_shaped(prim) {
@@ -354,16 +358,4 @@ impl Builder<'_> {
         // Flat, as light leaves it.
         mesh.normals.clear();
     }
-}
-
-/// The area of a mesh where it is.
-fn area_of(mesh: &Mesh, transform: &Affine) -> f64 {
-    let corner = |i: u32| transform.point(mesh.positions[i as usize].map(f64::from));
-    let area = |&[a, b, c]: &[u32; 3]| {
-        let [a, b, c] = [a, b, c].map(corner);
-        let [u, v]: [[f64; 3]; 2] = [b, c].map(|p| std::array::from_fn(|k| p[k] - a[k]));
-        let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        cross.iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0
-    };
-    mesh.indices.iter().map(area).sum()
 }

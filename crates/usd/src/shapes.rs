@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gnurt_scene::{Mesh, ObjectId};
+use gnurt_scene::{Mesh, ObjectId, Primitives};
 use openusd::sdf::Path;
 
 use crate::builder::Builder;
@@ -85,6 +85,15 @@ pub(crate) fn sphere(radius: f64) -> Mesh {
     let mut shape = Shape::default();
     shape.around(&arc(radius, 0.0, -PI / 2.0, PI / 2.0, [0.0, 1.0]));
     shape.along('Z')
+}
+
+/// A ball without triangles.
+pub(crate) fn exact_ball(radius: f64) -> Mesh {
+    Mesh {
+        positions: vec![[0.0; 3]],
+        primitives: Primitives::Spheres(vec![radius as f32]),
+        ..Mesh::default()
+    }
 }
 
 /// A ball of fewer sides and rings.

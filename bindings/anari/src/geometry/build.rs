@@ -24,7 +24,7 @@ fn shape(object: &Object, shapes: Shapes) -> Result<(Geometry, Option<String>), 
     match object.subtype.as_str() {
         "triangle" => faces::faces::<3>(&now),
         "quad" => faces::faces::<4>(&now),
-        "sphere" => segments::spheres(&now, shapes),
+        "sphere" => segments::spheres(&now),
         "cylinder" => segments::cylinders(&now, shapes),
         "cone" => segments::cones(&now, shapes),
         "curve" => segments::curves(&now, shapes),

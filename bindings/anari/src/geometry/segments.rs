@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Spheres, cylinders, cones and curves by the kernels: cylinders and cones are straight cubic tubes, which have open ends, with
-//! discs where they are closed. Light is sampled on triangles, so shapes that shine are made of these. Spheres and cylinders are
+//! discs where they are closed. Light is sampled on triangles and spheres, so other shapes that shine are made of triangles. Cylinders are
 //! unit shapes in many places then. Cones, whose form differs, have 64 sides each. A curve's pieces are the cones that touch the
 //! balls around both vertices, and those balls. Tests: tests/{rounds,shapes}.rs.
 
@@ -50,32 +50,24 @@ fn rod(ends: [[f32; 3]; 2], radius: f32, primitive: u32, vertices: [u32; 2]) -> 
 }
 
 /// Spheres.
-pub(super) fn spheres(now: &Snapshot, shapes: Shapes) -> Built {
+pub(super) fn spheres(now: &Snapshot) -> Built {
     let points = positions(now)?;
     let (rows, wrong) = valid_indices::<1>(now, points.len())?;
     let warning = reported(wrong, rows.len());
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
     let radius = |vertex: u32| radius_at(&radii, vertex as usize, otherwise);
-    let part = if shapes == Shapes::Triangles {
-        let ball_of = |(i, row): (usize, &Option<[u32; 1]>)| {
-            let [vertex] = (*row)?;
-            Some(ball(points[vertex as usize], radius(vertex), i as u32, vertex))
-        };
-        Part::placed(unit::sphere(), Form::Ball, rows.iter().enumerate().filter_map(ball_of).collect())
-    } else {
-        // A wrong one has no radius, and keeps its number.
-        let vertex_of = |row: &Option<[u32; 1]>| row.map_or(0, |[vertex]| vertex);
-        let own = |row: &Option<[u32; 1]>| row.map_or(0.0, |[vertex]| radius(vertex));
-        let mesh = Mesh {
-            positions: rows
-                .iter()
-                .map(|row| points.get(vertex_of(row) as usize).copied().unwrap_or_default())
-                .collect(),
-            primitives: Surfaces::Spheres(rows.iter().map(own).collect()),
-            ..Mesh::default()
-        };
-        Part::once(mesh, Primitives::Own, Vertices::Listed(rows.iter().map(vertex_of).collect()))
+    // A wrong one has no radius, and keeps its number.
+    let vertex_of = |row: &Option<[u32; 1]>| row.map_or(0, |[vertex]| vertex);
+    let own = |row: &Option<[u32; 1]>| row.map_or(0.0, |[vertex]| radius(vertex));
+    let mesh = Mesh {
+        positions: rows
+            .iter()
+            .map(|row| points.get(vertex_of(row) as usize).copied().unwrap_or_default())
+            .collect(),
+        primitives: Surfaces::Spheres(rows.iter().map(own).collect()),
+        ..Mesh::default()
     };
+    let part = Part::once(mesh, Primitives::Own, Vertices::Listed(rows.iter().map(vertex_of).collect()));
     let parts = vec![part];
     Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
 }

@@ -39,7 +39,7 @@ pub(crate) fn read(
         "bilinearmesh" => bilinear::mesh(parameters, reading)?,
         "loopsubdiv" => loops::mesh(parameters, reading)?,
         "sphere" => {
-            let (mesh, radius, shape) = quadric::sphere(parameters)?;
+            let (mesh, radius, shape) = quadric::sphere(parameters, reading.takes_spheres)?;
             transforms.iter_mut().for_each(|transform| *transform = *transform * Affine::scale([radius; 3]));
             signature = Some(format!("{shape} {}", reading.reversed));
             mesh

@@ -5,8 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gnurt_scene::Mesh;
 use gnurt_scene::io::Error;
+use gnurt_scene::{Mesh, Primitives};
 
 use super::grid::grid;
 use crate::parameter::Parameters;
@@ -40,12 +40,18 @@ fn without_lines(mut mesh: Mesh) -> Mesh {
 }
 
 /// Around z: longitude by u from +x to +y, latitude by v upwards. One of radius 1, its radius, and the part that it is.
-pub(super) fn sphere(parameters: &Parameters) -> Result<(Mesh, f64, String), Error> {
+/// `exact`: a whole one may be without triangles.
+pub(super) fn sphere(parameters: &Parameters, exact: bool) -> Result<(Mesh, f64, String), Error> {
     let radius = positive(parameters, "radius", 1.0)?;
     let ends = [parameters.float_or("zmin", -radius as f32)?, parameters.float_or("zmax", radius as f32)?];
     let [a, b] = ends.map(|z| (f64::from(z) / radius).clamp(-1.0, 1.0));
     let [from, to] = [a.min(b), a.max(b)].map(f64::acos);
     let phi = turn(parameters)?;
+    if exact && from - to == PI && phi == TAU {
+        let mesh =
+            Mesh { positions: vec![[0.0; 3]], primitives: Primitives::Spheres(vec![1.0]), ..Mesh::default() };
+        return Ok((mesh, radius, "exact sphere".to_owned()));
+    }
     let at = |u: f64, v: f64| {
         let ((sin_phi, cos_phi), (sin, cos)) = ((u * phi).sin_cos(), (from + v * (to - from)).sin_cos());
         // Poles are one point.

@@ -12,4 +12,6 @@ pub(crate) struct Reading<'a> {
     pub(crate) reversed: bool,
     /// Whether texture coordinates that pbrt makes up are wanted.
     pub(crate) wants_texcoords: bool,
+    /// Whether a whole sphere may be one, without triangles.
+    pub(crate) takes_spheres: bool,
 }
