@@ -9,7 +9,8 @@ use gnurt_scene::io::{load, save};
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{
-    Affine, Camera, Lens, Material, Member, Object, Projection, RayMask, Scene, Surface, TextureId,
+    Affine, Camera, Lens, Material, Member, Mesh, Object, Primitives, Projection, RayMask, Scene, Surface,
+    TextureId,
 };
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
@@ -29,21 +30,46 @@ fn reported(scene: &Scene, name: &str) -> (Scene, Vec<String>, String) {
 
 /// Area of all triangles in world space, an order-free fingerprint of the geometry.
 fn area(scene: &Scene) -> f64 {
-    let mut sum = 0.0;
-    for instance in scene.instances() {
-        for &mesh in &scene.object(instance.object).meshes {
-            let mesh = scene.mesh(mesh);
-            for t in &mesh.indices {
-                let corner =
-                    |i: u32| instance.world_from_object.point(mesh.positions[i as usize].map(f64::from));
-                let [a, b, c] = t.map(corner);
-                let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
-                let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-                sum += cross.iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0;
-            }
+    let of = |instance: &gnurt_scene::Instance| {
+        let meshes = scene.object(instance.object).meshes.iter();
+        meshes.map(|&mesh| scene.mesh(mesh).area(&instance.world_from_object)).sum::<f64>()
+    };
+    scene.instances().iter().map(of).sum()
+}
+
+/// Two lamps, one below the other and half as large; a cloud of points is left out.
+#[test]
+fn spheres_become_triangles() {
+    let mut scene = Scene::new();
+    let shining =
+        scene.add_material(Material { emission: [3.0, 2.0, 1.0], ..Material::matte("lamp", [0.0; 3]) });
+    let spheres = |n: usize| Mesh {
+        positions: (0..n).map(|i| [0.0, i as f32, 0.0]).collect(),
+        colors: (0..n).map(|i| [1.0 / (1.0 + i as f32), 0.0, 0.0, 1.0]).collect(),
+        primitives: Primitives::Spheres((0..n).map(|i| 0.4 / (1.0 + i as f32)).collect()),
+        material: shining,
+        ..Mesh::default()
+    };
+    let mesh = scene.add_mesh(spheres(2));
+    let object = scene.add_object_of("lamps", vec![mesh]);
+    scene.instantiate(object, Affine::scale([2.0; 3]));
+    let exact = 4.0 * std::f64::consts::PI * (0.8_f64.powi(2) + 0.4_f64.powi(2));
+    assert!((area(&scene) / exact - 1.0).abs() < 1e-6, "{} as spheres", area(&scene));
+    for file in ["a.obj", "a.ply", "a.glb", "a.stl"] {
+        let (back, warnings, _) = reported(&scene, file);
+        assert!((area(&back) / exact - 1.0).abs() < 0.02, "{file}: area {} of {exact}", area(&back));
+        assert!(!warnings.iter().any(|text| text.contains("sphere")), "{file}: {warnings:?}");
+        if file == "a.glb" {
+            assert_eq!(back.materials()[0].emission, [3.0, 2.0, 1.0]);
+            assert_eq!(back.mesh(gnurt_scene::MeshId(0)).colors.last().map(|color| color[0]), Some(0.5));
         }
     }
-    sum
+    let many = scene.add_mesh(spheres(2000));
+    let object = scene.add_object_of("cloud", vec![many]);
+    scene.instantiate(object, Affine::IDENTITY);
+    let (back, warnings, _) = reported(&scene, "a.glb");
+    assert!((area(&back) / exact - 1.0).abs() < 0.02, "the lamps alone");
+    assert!(warnings.iter().any(|text| text.contains("mesh of curves or spheres")), "{warnings:?}");
 }
 
 #[test]

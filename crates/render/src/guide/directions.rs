@@ -6,7 +6,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::octahedron::{direction_of, square_of, stretch};
+use gnurt_shading::sampling::octahedron::{direction_of, square_of, stretch};
 
 /// No tree is deeper: 128 times 128 parts.
 const DEEPEST: u32 = 7;
@@ -36,7 +36,7 @@ pub(super) struct Sample {
 impl Sample {
     /// Light that came from a unit direction, over the density of that.
     pub(super) fn new(dir: Vec3, light: f32) -> Self {
-        Self { square: square_of(dir), light }
+        Self { square: square_of(dir.into()).into(), light }
     }
 }
 
@@ -123,12 +123,12 @@ impl Trees {
             corner += Vec2::new(f32::from(u8::from(right)), f32::from(u8::from(upper))) * size;
             at = children[usize::from(right) + 2 * usize::from(upper)];
         }
-        direction_of(corner + Vec2::new(x, y) * size)
+        direction_of((corner + Vec2::new(x, y) * size).into())
     }
 
     /// The density per solid angle with which [`sample`](Self::sample) chooses a unit direction.
     pub(super) fn pdf(&self, root: u32, dir: Vec3) -> f32 {
-        let (mut square, mut density, mut at) = (square_of(dir), 1.0 / stretch(dir), root);
+        let (mut square, mut density, mut at) = (Vec2::from(square_of(dir.into())), 1.0 / stretch(dir), root);
         while let Some(node) = self.nodes.get(at as usize) {
             let k = quarter(square);
             square = within(square, k);

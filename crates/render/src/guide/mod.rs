@@ -8,7 +8,6 @@
 mod build;
 mod directions;
 mod mixture;
-mod octahedron;
 mod recorder;
 mod share;
 mod space;

@@ -7,11 +7,11 @@ use glam::{Vec2, Vec3};
 use gnurt_shading::SampleKey;
 use gnurt_shading::bsdf::{Bsdf, Lobe, Prepared};
 use gnurt_shading::real::Vector;
+use gnurt_shading::sampling::octahedron::{direction_of, stretch};
 use gnurt_shading::sampling::{Draws, hash_combine, uniform_sphere};
 
 use super::directions::{Sample, Trees};
 use super::mixture::Mixture;
-use super::octahedron::{direction_of, square_of, stretch};
 use super::recorder::{Recorder, Vertex};
 use super::share::{self, HeldOut};
 use super::space::{Cell, Guide};
@@ -43,26 +43,13 @@ fn trees() -> (Trees, u32) {
 }
 
 #[test]
-fn the_octahedron_maps_there_and_back() {
-    let (mut sum, n) = (0.0_f64, 400);
-    for square in grid(n) {
-        let dir = direction_of(square);
-        assert!((dir.length() - 1.0).abs() < 1e-6, "{square} leads to a unit direction");
-        assert!((square_of(dir) - square).length() < 1e-5, "{square} and back");
-        sum += f64::from(stretch(dir));
-    }
-    let sphere = sum / f64::from(n * n);
-    assert!((sphere - 4.0 * std::f64::consts::PI).abs() < 1e-3, "the whole square is the sphere: {sphere}");
-}
-
-#[test]
 fn densities_integrate_to_one() {
     let (trees, root) = trees();
     assert!(trees.len() > 20, "the narrow light is resolved: {} nodes", trees.len());
     let n = 1024;
     let sum: f64 = grid(n)
         .map(|square| {
-            let dir = direction_of(square);
+            let dir = direction_of(square.into());
             f64::from(trees.pdf(root, dir) * stretch(dir))
         })
         .sum();

@@ -8,7 +8,7 @@ mod island;
 mod materials;
 mod noise;
 mod rooms;
-mod shapes;
+pub(crate) mod shapes;
 mod sky;
 mod slit;
 mod spheres;

@@ -43,7 +43,7 @@ pub(super) fn lathe(profile: &[[f32; 2]], segments: u32) -> Mesh {
 }
 
 /// A sphere around the origin.
-pub(super) fn sphere(radius: f32, rings: u32) -> Mesh {
+pub(crate) fn sphere(radius: f32, rings: u32) -> Mesh {
     let ring = |i: u32| {
         let (s, c) = (PI * i as f32 / rings as f32).sin_cos();
         // The poles lie exactly on the axis.

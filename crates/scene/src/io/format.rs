@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::error::{Error, ErrorKind, quoted};
 use super::loaded::Loaded;
 use super::options::LoadOptions;
-use super::save::losses;
+use super::save::{losses, round};
 use super::source::{self, Access};
 use super::warnings::{Oddity, Warnings};
 use crate::scene::Scene;
@@ -191,7 +191,8 @@ impl Formats {
         format.write.ok_or_else(|| unknown(path, problem(), &self.written_extensions()))
     }
 
-    /// Writes a scene in the format of the file's name. The warnings name the losses.
+    /// Writes a scene in the format of the file's name, where spheres are not known with triangles in their place. The warnings name
+    /// the losses.
     ///
     /// # Errors
     /// If the format is unknown or not written, the scene is inconsistent, or a file cannot be written.
@@ -205,6 +206,8 @@ impl Formats {
         let clips = scene.animation().filter(|_| !writer.has_animations).map_or(0, |all| all.clips.len());
         warnings.note_many(Oddity::NotShown, clips as u64, path, None, "animation, written as it is shown");
         losses::of_scene(scene, path, &mut warnings);
+        let as_triangles = if writer.has_strands { None } else { round::with_triangles(scene) };
+        let scene = as_triangles.as_ref().unwrap_or(scene);
         if !writer.has_strands {
             losses::of_primitives(scene, path, &mut warnings);
         }

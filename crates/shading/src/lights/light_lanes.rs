@@ -141,13 +141,13 @@ impl LightLanes {
         Some(lanes)
     }
 
-    /// Samples for the lanes in `active`, whose normals are unit.
+    /// Samples for the lanes in `active`, whose normals are unit; without them for all sides.
     #[inline(always)]
     pub(super) fn sample<S: Simd>(
         &self,
         parts: &LightParts,
         active: Mask<S>,
-        [p, normal]: [Vec3x16<S>; 2],
+        (p, normal): (Vec3x16<S>, Option<Vec3x16<S>>),
         [choice, x, y]: [Floats<S>; 3],
         lane_probability: Floats<S>,
     ) -> LightSampleX16<S> {
@@ -184,7 +184,13 @@ impl LightLanes {
 
     /// From the root to a leaf or two; `choice` is in [0, 1).
     #[inline(always)]
-    fn walk<S: Simd>(&self, active: Mask<S>, p: Vec3x16<S>, normal: Vec3x16<S>, choice: Floats<S>) -> End<S> {
+    fn walk<S: Simd>(
+        &self,
+        active: Mask<S>,
+        p: Vec3x16<S>,
+        normal: Option<Vec3x16<S>>,
+        choice: Floats<S>,
+    ) -> End<S> {
         let simd = choice.token();
         let [.., second, kind, block] = self.nodes[0].0;
         let mut second = u32x16::splat(simd, second.to_bits());
@@ -205,8 +211,8 @@ impl LightLanes {
             let children = [walking.select(at + 1, nothing), walking.select(second, nothing)];
             let one_row = columns(simd, &self.nodes, &children[0].into());
             let other_row = columns(simd, &self.nodes, &children[1].into());
-            let first = group(&one_row).importance(p, Some(normal));
-            let other = group(&other_row).importance(p, Some(normal));
+            let first = group(&one_row).importance(p, normal);
+            let other = group(&other_row).importance(p, normal);
             let sum = first + other;
             let lost = walking & !sum.simd_gt(zero);
             end.alive &= !lost;
@@ -228,7 +234,7 @@ impl LightLanes {
         &self,
         end: &End<S>,
         p: Vec3x16<S>,
-        normal: Vec3x16<S>,
+        normal: Option<Vec3x16<S>>,
     ) -> (UInts<S>, Floats<S>, Mask<S>) {
         let simd = end.rest.token();
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -283,7 +289,12 @@ impl LightLanes {
 
     /// Contribution of each shape of each lane's block.
     #[inline(always)]
-    fn contributions<S: Simd>(&self, end: &End<S>, p: Vec3x16<S>, normal: Vec3x16<S>) -> [Floats<S>; LANES] {
+    fn contributions<S: Simd>(
+        &self,
+        end: &End<S>,
+        p: Vec3x16<S>,
+        normal: Option<Vec3x16<S>>,
+    ) -> [Floats<S>; LANES] {
         let simd = end.rest.token();
         let zero = f32x16::splat(simd, 0.0);
         let mut contributions = [zero; LANES];
@@ -295,7 +306,7 @@ impl LightLanes {
                     for (x, row) in shape.iter_mut().zip(&block.shape) {
                         *x = f32x16::splat(simd, row.0[k]);
                     }
-                    *contribution = shape_at(&shape, shape[13]).contribution(p, Some(normal));
+                    *contribution = shape_at(&shape, shape[13]).contribution(p, normal);
                 }
             }
             return contributions;
@@ -307,7 +318,8 @@ impl LightLanes {
             for (x, row) in shape.iter_mut().zip(rows) {
                 *x = f32x16::from_slice(simd, &row.0);
             }
-            contributions[i] = shape_at(&shape, shape[13]).contribution(p.spread(i), Some(normal.spread(i)));
+            contributions[i] =
+                shape_at(&shape, shape[13]).contribution(p.spread(i), normal.map(|normal| normal.spread(i)));
         }
         transpose(contributions)
     }

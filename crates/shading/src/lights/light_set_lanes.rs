@@ -23,49 +23,54 @@ impl LightSet {
         [p, ns]: [Vec3x16<S>; 2],
         u: [Floats<S>; 3],
     ) -> LightSampleX16<S> {
-        let mut out = self.sample_facing(group, active & !from_all_sides, [p, ns], u);
-        for i in LanesOf((active & from_all_sides).to_bitmask()) {
-            out.put(i, self.sample_among(group, p.get(i), Vec3::ZERO, [u[0][i], u[1][i], u[2][i]]));
+        let [facing, around] = [active & !from_all_sides, active & from_all_sides];
+        if !around.any_true() {
+            return self.sample_lanes(group, facing, (p, Some(ns)), u);
         }
-        out
+        let of_all_sides = self.sample_lanes(group, around, (p, None), u);
+        if !facing.any_true() {
+            return of_all_sides;
+        }
+        self.sample_lanes(group, facing, (p, Some(ns)), u).or(facing, of_all_sides)
     }
 
-    /// The same for lanes that face their unit normals.
+    /// The same for lanes that face their unit normals, or that request all sides.
     #[inline(always)]
-    fn sample_facing<S: Simd>(
+    fn sample_lanes<S: Simd>(
         &self,
         group: Option<usize>,
         active: Mask<S>,
-        [p, ns]: [Vec3x16<S>; 2],
+        (p, ns): (Vec3x16<S>, Option<Vec3x16<S>>),
         u: [Floats<S>; 3],
     ) -> LightSampleX16<S> {
         let simd = u[0].token();
+        let normal = |i: usize| ns.map_or(Vec3::ZERO, |ns| ns.get(i));
         match &self.near.lanes {
             // One group: its choice takes nothing of the number.
             Some(lanes) if self.group_count() == 1 || group == Some(0) => {
-                lanes.sample(&self.parts, active, [p, ns], u, f32x16::splat(simd, 1.0))
+                lanes.sample(&self.parts, active, (p, ns), u, f32x16::splat(simd, 1.0))
             }
             Some(lanes) if group.is_none() => {
                 let (mut rest, mut lane_probability, mut near, mut far) =
                     (u[0], u[0], 0, LightSampleX16::none(f32x16::splat(simd, 0.0)));
                 for i in LanesOf(active.to_bitmask()) {
-                    let Some(group) = self.choose_group(p.get(i), ns.get(i), u[0][i]) else { continue };
+                    let Some(group) = self.choose_group(p.get(i), normal(i), u[0][i]) else { continue };
                     if group.index == 0 {
                         near |= 1 << i;
                         (rest[i], lane_probability[i]) = (group.rest, group.probability);
                     } else {
                         let uv = [u[1][i], u[2][i]];
-                        let sample = self.sample_far(group.index - 1, ns.get(i), uv, group.probability);
+                        let sample = self.sample_far(group.index - 1, normal(i), uv, group.probability);
                         far.put(i, sample.filter(is_sound));
                     }
                 }
                 let near = Mask::from_bitmask(simd, near);
-                lanes.sample(&self.parts, near, [p, ns], [rest, u[1], u[2]], lane_probability).or(near, far)
+                lanes.sample(&self.parts, near, (p, ns), [rest, u[1], u[2]], lane_probability).or(near, far)
             }
             _ => {
                 let mut out = LightSampleX16::none(f32x16::splat(simd, 0.0));
                 for i in LanesOf(active.to_bitmask()) {
-                    out.put(i, self.sample_among(group, p.get(i), ns.get(i), [u[0][i], u[1][i], u[2][i]]));
+                    out.put(i, self.sample_among(group, p.get(i), normal(i), [u[0][i], u[1][i], u[2][i]]));
                 }
                 out
             }

@@ -447,7 +447,8 @@ fn in_lanes<S: Simd>(
     };
     let (p, ns) = (vectors(&|i| requests[i].0), vectors(&|i| requests[i].1));
     let u = [0, 1, 2].map(|k| lanes(&|i| requests[i].2[k]));
-    let masks = [active, 0].map(|bits| Mask::from_bitmask(simd, bits));
+    let all_sides = (0..LANES).fold(0, |bits, i| bits | u64::from(requests[i].1 == Vec3::ZERO) << i);
+    let masks = [active, all_sides].map(|bits| Mask::from_bitmask(simd, bits));
     let found = lights.sample_x16(group, masks, [p, ns], u);
     std::array::from_fn(|i| {
         let bit = |mask: Mask<S>| mask.to_bitmask() >> i & 1 == 1;
@@ -517,7 +518,9 @@ fn lanes_choose_as_points_do() {
                 // Some at one position, some at a light's corner.
                 let near = if round % 3 == 0 { 0.0 } else { 4.0 };
                 let p = Vec3::new(a - 0.5, b - 0.5, c - 0.5) * near;
-                let n = uniform_sphere([d, (a * 17.0).fract()]);
+                // No lane, some, or all of them lit from all sides.
+                let has_horizon = [true, i % 3 > 0, false][round as usize % 3];
+                let n = if has_horizon { uniform_sphere([d, (a * 17.0).fract()]) } else { Vec3::ZERO };
                 let [u, v, w] = numbers(16 * round + i as u32);
                 (if i == 3 { emissive_triangle(0)[0] } else { p }, n, [u, v, w])
             });

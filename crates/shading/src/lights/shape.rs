@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The shapes that emit, one at a time: triangles to the side of their normal, spheres outwards.
 //! Source: see `light_estimates` and `sphere`. Space: world.
-//! Invariant: a place on a shape is a pair: the weights of a triangle's second and third corner, or that of `sphere`.
+//! Invariant: a place on a shape is a pair: the weights of a triangle's second and third corner, or the normal on a
+//! sphere as `octahedron` has it.
 //! Tests: `area`, `sphere`, `light_set_tests`.
 
 use std::f32::consts::PI;
@@ -10,8 +11,9 @@ use glam::Vec3;
 
 use super::light_estimates::{Aim, TriangleAt};
 use super::light_tree::LightBounds;
-use super::sphere::{self, SphereAt};
+use super::sphere::SphereAt;
 use crate::real::{Real, Vector};
+use crate::sampling::octahedron::{direction_of, square_of};
 use crate::sampling::{self, uniform_sphere};
 
 /// What an emissive shape is, world space.
@@ -67,7 +69,7 @@ impl Outline {
             Self::Triangle([a, b, c]) => (sampling::triangle(u), (b - a).cross(c - a).normalize_or_zero()),
             Self::Sphere { .. } => {
                 let normal = uniform_sphere(u);
-                (sphere::place_of(Vector::from(normal)), normal)
+                (square_of(Vector::from(normal)), normal)
             }
         }
     }
@@ -77,7 +79,7 @@ impl Outline {
     pub fn point(&self, place: [f32; 2]) -> Vec3 {
         match *self {
             Self::Triangle([a, b, c]) => a + (b - a) * place[0] + (c - a) * place[1],
-            Self::Sphere { center, radius } => center + sphere::normal_of(place) * radius,
+            Self::Sphere { center, radius } => center + direction_of(place) * radius,
         }
     }
 }
@@ -155,28 +157,24 @@ impl Shape {
 
     /// A place by two numbers in [0, 1), uniform by area.
     pub(super) fn place(&self, u: [f32; 2]) -> [f32; 2] {
-        if self.extent < 0.0 {
-            sphere::place_of(Vector::from(uniform_sphere(u)))
-        } else {
-            sampling::triangle(u)
-        }
+        if self.extent < 0.0 { square_of(Vector::from(uniform_sphere(u))) } else { sampling::triangle(u) }
     }
 
     /// The place on a sphere of a point near it.
     pub(super) fn place_of(&self, p: Vec3) -> Option<[f32; 2]> {
         let normal = (p - self.p[0]).normalize_or(Vec3::Z);
-        self.radius().map(|_| sphere::place_of(Vector::from(normal)))
+        self.radius().map(|_| square_of(Vector::from(normal)))
     }
 
     /// The unit normal of a place.
     pub(super) fn normal_at(&self, place: [f32; 2]) -> Vec3 {
-        if self.extent < 0.0 { sphere::normal_of(place) } else { self.normal }
+        if self.extent < 0.0 { direction_of(place) } else { self.normal }
     }
 
     /// The point of a place.
     pub(super) fn point(&self, [b1, b2]: [f32; 2]) -> Vec3 {
         if let Some(radius) = self.radius() {
-            return self.p[0] + sphere::normal_of([b1, b2]) * radius;
+            return self.p[0] + direction_of([b1, b2]) * radius;
         }
         self.p[0] + (self.p[1] - self.p[0]) * b1 + (self.p[2] - self.p[0]) * b2
     }

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Spheres that emit outwards: what one brings about, and directions to it, from one point or sixteen.
 //! Source: [PJH23] section 6.2.4 (the cone in which a sphere is seen). Space: world.
-//! A place on a sphere is a pair in [-1, 1], its normal by an octahedron unfolded to a square [CDE*14].
+//! A place on a sphere is its normal, as a point of the square of `octahedron`.
 //! Invariant: the same bits for one point as for sixteen. Tests: `tests`, `light_set_tests`.
 
 use std::f32::consts::FRAC_1_PI;
 
-use glam::Vec3;
-
 use super::light_estimates::Aim;
 use crate::real::{Real, Vector};
+use crate::sampling::octahedron::square_of;
 use crate::sampling::{frame_around, sin_cos_of_fraction};
 
 /// A sphere, as [`Shape`](super::shape::Shape).
@@ -87,7 +86,7 @@ impl<R: Real> SphereAt<R> {
         let offset = seen.offset + normal * (self.radius + reach * (16.0 * f32::EPSILON));
         let dist = offset.length_squared().root();
         let density = R::pick(seen.outside, one / seen.width * (0.5 * FRAC_1_PI), zero);
-        Aim { position: place_of(normal), dir: offset.over(dist), dist, density }
+        Aim { position: square_of(normal), dir: offset.over(dist), dist, density }
     }
 
     /// Density per solid angle at `p` of the point that lies along the unit `dir`, `dist` away; 0 from inside, and of the inside.
@@ -101,43 +100,14 @@ impl<R: Real> SphereAt<R> {
     }
 }
 
-/// The place of a unit normal.
-#[inline(always)]
-pub(super) fn place_of<R: Real>(normal: Vector<R>) -> [R; 2] {
-    let (zero, one) = (normal.x.all(0.0), normal.x.all(1.0));
-    let sizes = normal.abs();
-    let flat = normal.over(sizes.sum());
-    let (x, y) = (flat.x.size(), flat.y.size());
-    let below = zero.above(normal.z);
-    let (x, y) = (R::pick(below, one - y, x), R::pick(below, one - x, y));
-    [R::pick(zero.above(normal.x), -x, x), R::pick(zero.above(normal.y), -y, y)]
-}
-
-/// The unit normal of a place.
-pub(super) fn normal_of([u, v]: [f32; 2]) -> Vec3 {
-    let z = 1.0 - u.abs() - v.abs();
-    let folded = |a: f32, b: f32| if z < 0.0 { (1.0 - b.abs()).copysign(a) } else { a };
-    Vec3::new(folded(u, v), folded(v, u), z).normalize()
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
     use crate::batch::SampleKey;
-    use crate::sampling::{sample_pair, uniform_sphere};
-
-    #[test]
-    fn places_are_normals() {
-        for sample in 0..4096 {
-            let normal = uniform_sphere(sample_pair(0, SampleKey { pixel: 0, sample, branch: 0 }, 0, 0));
-            let place = place_of(Vector::from(normal));
-            assert!(place.iter().all(|x: &f32| x.abs() <= 1.0), "{place:?}");
-            assert!((normal_of(place) - normal).length() < 1e-5, "{normal}: {}", normal_of(place));
-        }
-        for normal in [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z] {
-            assert_eq!(normal_of(place_of(Vector::from(normal))), normal);
-        }
-    }
+    use crate::sampling::octahedron::direction_of;
+    use crate::sampling::sample_pair;
 
     /// Points are on the sphere, on the side of the viewer, and all of that side is covered evenly by angle.
     #[test]
@@ -162,7 +132,7 @@ mod tests {
                 assert!((on.length() / radius - 1.0).abs() < 3e-3, "{center}: {}", on.length());
                 assert!(on.length() >= radius, "{center}: not short of it");
                 assert!(on.dot(dir) <= 0.05 * radius, "{center}: the near side");
-                assert!((normal_of(position) - on.normalize()).length() < 2e-3, "{center}: its place");
+                assert!((direction_of(position) - on.normalize()).length() < 2e-3, "{center}: its place");
                 assert!((f64::from(density) * angle - 1.0).abs() < 1e-4, "{center}: density {density}");
                 assert_eq!(density, sphere.density(p.into(), dir.into(), dist), "{center}");
                 cosines += f64::from(dir.dot(offset.normalize())) / f64::from(N);

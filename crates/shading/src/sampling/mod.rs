@@ -5,6 +5,7 @@
 pub(crate) mod distribution;
 mod grid;
 mod hash;
+pub mod octahedron;
 mod sobol;
 mod sobol_lanes;
 pub(crate) mod warp;

@@ -12,5 +12,6 @@ pub(super) mod losses;
 pub(super) mod obj;
 pub(super) mod ply;
 pub(super) mod png;
+pub(super) mod round;
 pub(super) mod stl;
 mod world;
