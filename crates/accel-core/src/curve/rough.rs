@@ -83,11 +83,14 @@ impl<S: Simd> RoughRay<S> {
     /// Offsets from the origin by the axes.
     #[inline(always)]
     pub fn seen(&self, from: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
-        let mut seen = from;
-        for (row, axis) in seen.iter_mut().zip(&self.axes) {
-            *row = from[0].mul_add(axis[0], from[1].mul_add(axis[1], from[2] * axis[2]));
-        }
-        seen
+        [self.by(from, 0), self.by(from, 1), self.by(from, 2)]
+    }
+
+    /// Offsets by one of the axes.
+    #[inline(always)]
+    pub fn by(&self, from: [f32x8<S>; 3], axis: usize) -> f32x8<S> {
+        let [x, y, z] = self.axes[axis];
+        from[0].mul_add(x, from[1].mul_add(y, from[2] * z))
     }
 }
 
@@ -168,6 +171,7 @@ impl Curves<'_> {
         let bend = parts.bend / (512 * count * count) as f32;
         let wider = bend * widest + radius * (1.0 / 63.0) + 2.0 * SLACK * (2.0 * greatest + ray.away);
         let at = |x: f32| f32x8::splat(simd, x);
+        let capsule = radius;
         let radius = a[3].max(b[3]) + at(wider);
         let passing = Passing::new([a[0], a[1]], [b[0], b[1]]);
         let is_near = passing.is_near(radius);
@@ -177,21 +181,34 @@ impl Curves<'_> {
         if (is_near & is_here).to_bitmask() == 0 {
             return Rough::Missed;
         }
-        if is_any && self.form == CurveForm::Round {
+        if is_any {
             let Passing { square, beside, before, behind } = passing;
-            // A point of the ray is inside of a circle, well away from the part's ends. So the ray comes in and goes out, both
-            // beside stretches of the part, as it is not too much along them.
+            // Within the circles of all of the stretch, and far enough from the ends of the ray.
             let inner = a[3].min(b[3]).mul_sub(at(0.875), at(wider));
             let is_inside = inner.simd_gt(at(0.0)) & (beside * beside).simd_le(inner * inner * square);
-            let is_between = before.simd_le(at(0.0)) & behind.simd_le(at(0.0));
-            let depth = farthest - nearest;
-            let depth = depth * depth;
-            let is_across = depth.simd_le(at(3.0) * square);
-            let is_long = (at(8.0) * radius * radius).simd_le(square + depth);
             let reach = at(2.5) * radius;
             let is_within = (nearest - reach).simd_ge(near) & (farthest + reach).simd_le(far);
-            let is_hit = is_inside & is_between & is_across & is_long & is_within;
-            if is_hit.to_bitmask() & INNER != 0 {
+            let is_hit = if self.form == CurveForm::Round {
+                // A point of the ray is inside of a circle, well away from the part's ends. So the ray comes in and goes out, both
+                // beside stretches of the part, as it is not too much along them.
+                let depth = farthest - nearest;
+                let depth = depth * depth;
+                let is_across = depth.simd_le(at(3.0) * square);
+                let is_long = (at(8.0) * radius * radius).simd_le(square + depth);
+                let is_between = before.simd_le(at(0.0)) & behind.simd_le(at(0.0));
+                (is_inside & is_between & is_across & is_long & is_within).to_bitmask() & INNER
+            } else {
+                // Seen along the ray, the derivative changes over the part by no more than eight times `off`, and over one of its
+                // eight stretches by no more than `off`. That is less than a third and a 24th of what it is. So the curve comes
+                // nearer up to one point and goes away behind it, and this point belongs to the stretch.
+                let off = at(capsule) - a[3].max(b[3]);
+                let is_straight = (at(9.0) * off * off).simd_le(square);
+                let is_long = (at(2.0) * radius * radius).simd_le(square);
+                let most = square * at(-1.0 / 16.0);
+                let is_between = before.simd_le(most) & behind.simd_le(most);
+                (is_inside & is_between & is_straight & is_long & is_within).to_bitmask()
+            };
+            if is_hit != 0 {
                 return Rough::Hit;
             }
         }
