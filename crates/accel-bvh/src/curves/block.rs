@@ -93,16 +93,16 @@ impl CurveBlock {
         Some((curves.segment(prim_id)?, part(self.place(lane))))
     }
 
-    /// Points by the axes of a ray. A function: operations in a closure that is not inlined would all be calls.
+    /// Ends from the origin of a ray. A function: operations in a closure that is not inlined would all be calls.
     #[inline(always)]
-    fn seen<S: Simd>(&self, simd: S, ray: &ReadyRay<S>, end: usize) -> [f32x8<S>; 3] {
+    fn from<S: Simd>(&self, simd: S, ray: &ReadyRay<S>, end: usize) -> [f32x8<S>; 3] {
         let mut from = ray.rough.org;
         for (k, row) in from.iter_mut().enumerate() {
             let origin = f32x8::splat(simd, self.origin[k]) - *row;
             let step = f32x8::splat(simd, self.step(k));
             *row = counts(simd, &self.ends[end], k as u32).mul_add(step, origin);
         }
-        ray.rough.seen(from)
+        from
     }
 
     /// Lanes whose capsules the ray may meet within `[near, far]`, as bits, and the least lengths along the ray.
@@ -113,17 +113,23 @@ impl CurveBlock {
         ray: &ReadyRay<S>,
         [near, far]: [f32; 2],
     ) -> (u32, f32x8<S>) {
-        let [a, b] = [self.seen(simd, ray, 0), self.seen(simd, ray, 1)];
+        let [from_a, from_b] = [self.from(simd, ray, 0), self.from(simd, ray, 1)];
+        let a = [ray.rough.by(from_a, 0), ray.rough.by(from_a, 1)];
+        let b = [ray.rough.by(from_b, 0), ray.rough.by(from_b, 1)];
         let counts = bytes(simd, &self.radius);
         let radius = counts.mul_add(f32x8::splat(simd, self.step(3)), ray.slack);
-        // Seen along the ray: it passes beside the chord, before its start or behind its end.
-        let is_near = Passing::new([a[0], a[1]], [b[0], b[1]]).is_near(radius);
-        let length = ray.rough.length;
-        let start = a[2].min(b[2]) - radius;
-        let is_before = start.simd_le(f32x8::splat(simd, far * length));
-        let is_behind = (a[2].max(b[2]) + radius).simd_ge(f32x8::splat(simd, near * length));
+        // Seen along the ray: it passes beside the chord, before its start or behind its end. Most rays pass all eight.
         let is_there = counts.simd_gt(f32x8::splat(simd, 0.0));
-        ((is_near & is_before & is_behind & is_there).to_bitmask() as u32, start)
+        let is_near = Passing::new(a, b).is_near(radius) & is_there;
+        if is_near.to_bitmask() == 0 {
+            return (0, radius);
+        }
+        let (a, b) = (ray.rough.by(from_a, 2), ray.rough.by(from_b, 2));
+        let length = ray.rough.length;
+        let start = a.min(b) - radius;
+        let is_before = start.simd_le(f32x8::splat(simd, far * length));
+        let is_behind = (a.max(b) + radius).simd_ge(f32x8::splat(simd, near * length));
+        ((is_near & is_before & is_behind).to_bitmask() as u32, start)
     }
 
     /// Requests the vertices of a lane's curve, which are about to be read.
