@@ -36,6 +36,9 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
     const IN_LANE: usize = 1;
     /// Whether any hit is found sooner if nodes are visited in no order.
     const ANY_ORDER: bool = false;
+    /// Whether closest hits are found sooner if children of a node behind the nearest two are not sorted: where rays pass most of
+    /// what they come to.
+    const TWO_FIRST: bool = false;
     /// One primitive, a piece of one, or several, on the way into a lane.
     type Item: Clone + Send + Sync;
     /// Data of one geometry that its primitives share; `()` for none.
@@ -282,7 +285,8 @@ impl<B: BlockKind> Blocked<B> {
         let for_nodes = NodeRay::new(simd, traversal.ray, *greatest);
         let ready = B::ready(simd, traversal.ray, *greatest);
         let (mut tested, mut waiting) = (0, B::Waiting::default());
-        let (nodes, start, reach) = (Ahead { tree, blocks }, Child::node(0), traversal.reach());
+        let (nodes, start, reach) =
+            (Ahead { tree, blocks, two_first: B::TWO_FIRST }, Child::node(0), traversal.reach());
         // The leaf before, if they wait.
         let mut pending = 0..0;
         let leaves_wait = B::leaves_wait(shared);

@@ -32,6 +32,7 @@ pub(crate) use waiting::Waiting;
 impl BlockKind for CurveBlock {
     const IN_FILES: Result<[u64; 2], &'static str> = Ok([8, 9]);
     const ANY_ORDER: bool = true;
+    const TWO_FIRST: bool = true;
     type Item = CurvePiece;
     type Data = Arc<OwnedCurves>;
     type Waiting = Waiting;

@@ -88,6 +88,43 @@ pub(crate) fn nearest_first(
     Child(nearest as u32)
 }
 
+/// As [`nearest_first`], but behind the nearest two the others wait in no order: to sort them takes branches that are hard to
+/// foresee, and a ray that visits most of what waits gains less by order. `request` gets each of them first.
+#[inline(always)]
+pub(crate) fn nearest_two_first(
+    mut bits: u32,
+    near: &[f32; WIDTH],
+    children: &[f32; WIDTH],
+    waiting: &mut Stack<u64>,
+    request: impl Fn(Child),
+) -> Child {
+    let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
+    bits &= bits - 1;
+    let child = Child::at(children, lane);
+    request(child);
+    let mut nearest = entry(near[lane], child);
+    let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
+    bits &= bits - 1;
+    let child = Child::at(children, lane);
+    request(child);
+    let other = entry(near[lane], child);
+    let mut second = nearest.max(other);
+    nearest = nearest.min(other);
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize & (WIDTH - 1);
+        bits &= bits - 1;
+        let child = Child::at(children, lane);
+        request(child);
+        let other = entry(near[lane], child);
+        let farther = nearest.max(other);
+        nearest = nearest.min(other);
+        waiting.push(second.max(farther));
+        second = second.min(farther);
+    }
+    waiting.push(second);
+    Child(nearest as u32)
+}
+
 /// Of the children in `bits`, which is not 0: the last; the others go to the stack, the first of them lowest.
 /// For any hit, which needs no order: the builder puts the most probable hit last.
 #[inline(always)]
@@ -113,6 +150,22 @@ pub(crate) trait Nodes {
         ray: &NodeRay<S>,
         reach: f32,
     ) -> (u32, f32x8<S>, &[f32; WIDTH]);
+
+    /// The child to visit next of those in `bits`, of which there are two or more; the others wait.
+    #[inline(always)]
+    fn order(
+        &self,
+        bits: u32,
+        near: &[f32; WIDTH],
+        children: &[f32; WIDTH],
+        waiting: &mut Stack<u64>,
+    ) -> Child {
+        nearest_first(bits, near, children, waiting)
+    }
+
+    /// Called before children are visited in no order, if there are two or more.
+    #[inline(always)]
+    fn request(&self, _bits: u32, _children: &[f32; WIDTH]) {}
 }
 
 /// Of one form: for walks that are compiled for it.
@@ -174,6 +227,8 @@ impl Nodes for Tree {
 pub(crate) struct Ahead<'a, B> {
     pub(crate) tree: &'a Tree,
     pub(crate) blocks: &'a [B],
+    /// Whether children behind the nearest two wait in no order.
+    pub(crate) two_first: bool,
 }
 
 impl<B> Nodes for Ahead<'_, B> {
@@ -185,20 +240,49 @@ impl<B> Nodes for Ahead<'_, B> {
         ray: &NodeRay<S>,
         reach: f32,
     ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
-        let (bits, near, children) = self.tree.meet(simd, index, ray, reach);
-        let mut rest = bits & bits.wrapping_sub(1);
-        if rest != 0 {
-            rest = bits;
-            while rest != 0 {
-                let child = Child::at(children, rest.trailing_zeros() as usize);
-                rest &= rest - 1;
-                // Both, one of them near: a branch would be hard to foresee.
-                let is_leaf = child.is_leaf();
-                prefetch(self.blocks, if is_leaf { child.blocks().start } else { 0 });
-                prefetch(&self.tree.nodes, if is_leaf { index } else { child.index() });
-            }
+        self.tree.meet(simd, index, ray, reach)
+    }
+
+    #[inline(always)]
+    fn order(
+        &self,
+        bits: u32,
+        near: &[f32; WIDTH],
+        children: &[f32; WIDTH],
+        waiting: &mut Stack<u64>,
+    ) -> Child {
+        if !self.two_first {
+            self.request(bits, children);
+            return nearest_first(bits, near, children, waiting);
         }
-        (bits, near, children)
+        nearest_two_first(
+            bits,
+            near,
+            children,
+            waiting,
+            #[inline(always)]
+            |child| self.request_one(child),
+        )
+    }
+
+    #[inline(always)]
+    fn request(&self, mut bits: u32, children: &[f32; WIDTH]) {
+        while bits != 0 {
+            self.request_one(Child::at(children, bits.trailing_zeros() as usize));
+            bits &= bits - 1;
+        }
+    }
+}
+
+impl<B> Ahead<'_, B> {
+    /// Requests the first block or the node.
+    #[inline(always)]
+    fn request_one(&self, child: Child) {
+        if child.is_leaf() {
+            prefetch(self.blocks, child.blocks().start);
+        } else {
+            prefetch(&self.tree.nodes, child.index());
+        }
     }
 }
 
@@ -293,7 +377,7 @@ pub(crate) fn walk_on<S: Simd>(
                 child = if bits & (bits - 1) == 0 {
                     Child::at(children, bits.trailing_zeros() as usize)
                 } else {
-                    nearest_first(bits, near.as_array(), children, waiting)
+                    nodes.order(bits, near.as_array(), children, waiting)
                 };
                 continue;
             }
@@ -361,6 +445,9 @@ pub(crate) fn walk_any_on<S: Simd>(
         } else {
             let (bits, _, children) = nodes.meet(simd, child.index(), ray, reach);
             if bits != 0 {
+                if bits & (bits - 1) != 0 {
+                    nodes.request(bits, children);
+                }
                 child = last_first(
                     bits,
                     children,

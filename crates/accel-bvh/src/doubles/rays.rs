@@ -192,7 +192,7 @@ impl DoubleIndex {
         let for_nodes = NodeRay::new(simd, &prepared.for_nodes, prepared.greatest);
         let (mut reach, mut depth) = (prepared.reach(line.far), prepared.depth(line.far));
         walk(
-            &crate::walk::Ahead { tree: &over.tree, blocks: &over.blocks },
+            &crate::walk::Ahead { tree: &over.tree, blocks: &over.blocks, two_first: false },
             simd,
             Child::node(0),
             &for_nodes,
@@ -219,7 +219,7 @@ impl DoubleIndex {
         let (reach, depth) = (prepared.reach(line.far), prepared.depth(line.far));
         let mut met = None;
         walk_any(
-            &crate::walk::Ahead { tree: &over.tree, blocks: &over.blocks },
+            &crate::walk::Ahead { tree: &over.tree, blocks: &over.blocks, two_first: false },
             simd,
             Child::node(0),
             &for_nodes,

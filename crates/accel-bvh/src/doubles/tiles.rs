@@ -252,7 +252,7 @@ impl Alone<'_> {
             #[inline(always)]
             || {
                 let over = &self.index.over;
-                let ahead = Ahead { tree: &over.tree, blocks: &over.blocks };
+                let ahead = Ahead { tree: &over.tree, blocks: &over.blocks, two_first: false };
                 let (mut reach, mut is_better) = (reach, false);
                 walk(
                     &ahead,
