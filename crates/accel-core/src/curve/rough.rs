@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A rough test of a ray and a part of a cubic, in lanes of floats: eight straight stretches, each as wide as all that may be
-//! around it. Most misses are sure by it, and hits where a ray goes through the middle of a tube.
+//! around it. Most misses are sure by it, and hits where a ray goes through the middle of a tube or of a ribbon.
 //! Space: object. Invariant: a hit of the exact test lies within the radius of the curve's point, and that within an eighth's
 //! bend of its stretch. Rounding of points, seen along the ray, is below half of the slack: 31 units of the greatest coordinate of
 //! a vertex and 13 of the origin's, where units and slack are those of `slab.rs`.
