@@ -72,10 +72,15 @@ struct Inventory {
     spheres: usize,
     instanced: usize,
     emitting: usize,
+    shining_spheres: usize,
     vertices: usize,
     mesh_bytes: usize,
     texture_bytes: usize,
     bounds: Option<Bounds>,
+}
+
+fn spheres_of(mesh: &Mesh) -> usize {
+    if matches!(mesh.primitives, Primitives::Spheres(_)) { mesh.primitive_count() } else { 0 }
 }
 
 impl Inventory {
@@ -96,6 +101,7 @@ impl Inventory {
             triangles: meshes.iter().map(|mesh| mesh.indices.len()).sum(),
             instanced: of_instances.fold(0, |sum: u64, count| sum.saturating_add(*count)) as usize,
             emitting: meshes.iter().filter(emits).map(|mesh| mesh.indices.len()).sum(),
+            shining_spheres: meshes.iter().filter(emits).map(|mesh| spheres_of(mesh)).sum(),
             vertices: meshes.iter().map(|mesh| mesh.positions.len()).sum(),
             mesh_bytes: meshes.iter().map(|mesh| mesh.memory_bytes()).sum(),
             texture_bytes: scene.textures().iter().map(|texture| texture.texels.memory_bytes()).sum(),
@@ -118,6 +124,7 @@ impl Inventory {
             "textures": scene.textures().len(),
             "lights": contents::lights(scene),
             "emissive_triangles": self.emitting,
+            "emissive_spheres": self.shining_spheres,
             "cameras": contents::cameras(scene),
             "bounds": self.bounds.map(|bounds| json!({ "min": bounds.min, "max": bounds.max })),
             "memory": {
@@ -176,7 +183,12 @@ impl Inventory {
             more => row("", format!("and {more} more, which --json lists")),
         }
         row("textures", scene.textures().len().to_string());
-        row("lights", format!("{}, {} emissive triangles", lights(scene.lights()), self.emitting));
+        let spheres = match self.shining_spheres {
+            0 => String::new(),
+            1 => ", 1 emissive sphere".to_owned(),
+            some => format!(", {some} emissive spheres"),
+        };
+        row("lights", format!("{}, {} emissive triangles{spheres}", lights(scene.lights()), self.emitting));
         row("cameras", scene.cameras().len().to_string());
         for (index, camera) in scene.cameras().iter().enumerate() {
             row("", format!("{index} '{}': {}", camera.name, camera_options(camera)));

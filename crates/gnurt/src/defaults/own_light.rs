@@ -56,7 +56,7 @@ pub fn own_light(scene: &Scene, shaders: &ShaderTable) -> OwnLight {
     }
     let of_mesh = |mesh: &Mesh| {
         let material = emits.get(mesh.material.index()).copied().unwrap_or(OwnLight::Nothing);
-        if mesh.indices.is_empty() { OwnLight::Nothing } else { material }
+        if mesh.primitive_count() == 0 { OwnLight::Nothing } else { material }
     };
     let shown = shown_objects(scene);
     let brightest = if shown.is_empty() {
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
     use crate::image::{TexelData, Texels};
     use crate::scene::texture::{Filter, Wrap};
-    use crate::scene::{Affine, Instance, Light, Member, Object, Texture, texture::TextureRef};
+    use crate::scene::{Affine, Instance, Light, Member, Object, Primitives, Texture, texture::TextureRef};
 
     fn own_light(scene: &Scene) -> OwnLight {
         super::own_light(scene, &ShaderTable::default())
@@ -249,9 +249,13 @@ mod tests {
         let mut mesh = Mesh { positions: vec![[0.0; 3]; 3], material, ..Mesh::default() };
         scene.add_mesh(mesh.clone());
         assert_eq!(own_light(&scene), OwnLight::Nothing, "a mesh without triangles");
+        let sphere = Mesh { primitives: Primitives::Spheres(vec![1.0]), ..mesh.clone() };
         mesh.indices = vec![[0, 1, 2]];
-        scene.add_mesh(mesh);
-        assert_eq!(own_light(&scene), OwnLight::Lights, "a mesh");
+        for (mesh, what) in [(mesh, "a mesh"), (sphere, "a sphere")] {
+            let mut scene = scene.clone();
+            scene.add_mesh(mesh);
+            assert_eq!(own_light(&scene), OwnLight::Lights, "{what}");
+        }
     }
 
     #[test]
