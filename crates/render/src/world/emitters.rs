@@ -268,7 +268,7 @@ fn shape(
     }
     let outline = match &mesh.primitives {
         Primitives::Triangles => triangle(at, posed, corners)?,
-        Primitives::Spheres(_) => sphere(at, posed, prim_id)?,
+        Primitives::Spheres(radii) => sphere(at, posed, (prim_id, *radii.get(prim_id)?))?,
         Primitives::Curves(_) => return None,
     };
     let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
@@ -277,22 +277,14 @@ fn shape(
     Some(shading::EmissiveShape { outline, is_turned, uv, opacity, emitter, brightness })
 }
 
-/// A value of a mesh at a time: of its keys, or its own if it has none.
-fn posed<T>(
-    (mesh, keys, time): Posed,
-    of: impl Fn(&Mesh) -> Option<T>,
-    mix: impl Fn(KeyInterval, T, T) -> T,
-) -> Option<T> {
-    let interval = KeyInterval::of(time, keys.len());
-    match keys {
-        [] => of(mesh),
-        _ => Some(mix(interval, of(&keys[interval.key])?, of(&keys[interval.next])?)),
-    }
-}
-
 /// A vertex in the world.
-fn vertex(at: &Transform, mesh: Posed, i: usize) -> Option<Vec3> {
-    let p = posed(mesh, |mesh| mesh.positions.get(i).copied(), |interval, a, b| interval.mix3(a, b))?;
+fn vertex(at: &Transform, (mesh, keys, time): Posed, i: usize) -> Option<Vec3> {
+    let interval = KeyInterval::of(time, keys.len());
+    let of = |mesh: &Mesh| mesh.positions.get(i).copied();
+    let p = match keys {
+        [] => of(mesh)?,
+        _ => interval.mix3(of(&keys[interval.key])?, of(&keys[interval.next])?),
+    };
     Some(at.point(p.into()))
 }
 
@@ -302,20 +294,13 @@ fn triangle(at: &Transform, mesh: Posed, corners: [usize; 3]) -> Option<Outline>
     (area > 0.0 && area.is_finite()).then_some(Outline::Triangle(p))
 }
 
-/// `None` where the transform makes something else of it.
-fn sphere(at: &Transform, mesh: Posed, prim_id: usize) -> Option<Outline> {
-    let of = |mesh: &Mesh| match &mesh.primitives {
-        Primitives::Spheres(radii) => radii.get(prim_id).map(|&radius| [radius; 3]),
-        _ => None,
-    };
-    let [radius, ..] = posed(mesh, of, |interval, a, b| interval.mix3(a, b))?;
+/// `None` where the transform makes something else of it. Spheres have no keys.
+fn sphere(at: &Transform, mesh: Posed, (prim_id, radius): (usize, f32)) -> Option<Outline> {
     let scale = at.linear.x_axis.length();
     let squares = at.linear.transpose() * at.linear * (1.0 / (scale * scale));
-    if !squares.abs_diff_eq(Mat3::IDENTITY, STRETCHED) {
-        return None;
-    }
     let (center, radius) = (vertex(at, mesh, prim_id)?, radius * scale);
-    (radius > 0.0 && radius.is_finite() && center.is_finite()).then_some(Outline::Sphere { center, radius })
+    let is_sphere = squares.abs_diff_eq(Mat3::IDENTITY, STRETCHED) && center.is_finite();
+    (is_sphere && radius > 0.0 && radius.is_finite()).then_some(Outline::Sphere { center, radius })
 }
 
 /// The other side of a triangle.

@@ -44,8 +44,8 @@ impl<R: Real> SphereAt<R> {
         Seen { offset, distance2, distance: distance2.root(), width, outside: distance2.above(radius2) }
     }
 
-    /// The light that reaches surfaces at `p` if nothing is between, by brightness and over pi; where the horizon of `normal`
-    /// cuts the sphere it is a guess. Exactly 0 where there is none. Points without normals have no horizon.
+    /// The irradiance of surfaces at `p` if nothing is between, by brightness; a guess where the horizon of `normal` cuts the sphere.
+    /// Exactly 0 where there is none. Points without normals have no horizon.
     #[inline(always)]
     pub(super) fn contribution(&self, p: Vector<R>, normal: Option<Vector<R>>) -> R {
         let zero = p.x.all(0.0);
