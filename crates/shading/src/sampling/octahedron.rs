@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The unit sphere as the unit square, by an octahedron: only arithmetic that rounds alike on all computers.
-//! Source: [MSS*10] (octahedral normal vectors); the ratio of areas follows from the distance of its faces.
+//! Source: \[MSS\*10\] (octahedral normal vectors); the ratio of areas follows from the distance of its faces.
 //! Tests: `tests`.
 
 use glam::Vec3;
