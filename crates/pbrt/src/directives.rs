@@ -691,9 +691,9 @@ impl<'a> Reader<'a> {
         let wants_texcoords = self.builder.is_textured(self.state.material)
             || matches!(alpha, Some(Input::Texture(_)))
             || area_light.as_ref().is_some_and(|light| light.picture.is_some());
-        // A lamp whose light is the same all around: spheres have no texture coordinates.
-        let is_plain = area_light.as_ref().is_some_and(|light| light.picture.is_none() && !light.both_sides);
-        let takes_spheres = is_plain
+        // Spheres have no texture coordinates, and their light leaves them outwards.
+        let takes_spheres = area_light.as_ref().is_some_and(|light| !light.both_sides)
+            && !wants_texcoords
             && alpha.is_none()
             && !self.state.reversed
             && self.state.transforms.iter().all(Affine::is_similarity);

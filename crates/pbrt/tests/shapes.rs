@@ -56,6 +56,28 @@ fn quadrics_have_their_areas() {
     assert!(uv.contains(&[0.0, 0.0]) && uv.contains(&[1.0, 1.0]), "texture coordinates go around");
 }
 
+/// Whole spheres that shine outwards alike are spheres; what has a picture, an inside or a part missing is a mesh.
+#[test]
+fn lamps_are_spheres_without_triangles() {
+    let lamp = "AreaLightSource \"diffuse\" \"rgb L\" [ 1 2 3 ]\n";
+    let ball = mesh(&format!("{lamp}Translate 1 2 3 Rotate 20 1 1 0\nShape \"sphere\" \"float radius\" 2"));
+    assert_eq!(ball.primitives, Primitives::Spheres(vec![1.0]), "its size is in the transform");
+    for text in [
+        "Shape \"sphere\"",
+        &format!("{lamp}Scale 1 2 1\nShape \"sphere\""),
+        &format!("{lamp}ReverseOrientation\nShape \"sphere\""),
+        &format!("{lamp}Shape \"sphere\" \"float phimax\" 359"),
+        &format!("{lamp}Shape \"sphere\" \"float zmax\" 0.9"),
+        &format!("{lamp}Shape \"sphere\" \"float alpha\" 0.5"),
+        "AreaLightSource \"diffuse\" \"bool twosided\" true\nShape \"sphere\"",
+    ] {
+        assert!(mesh(text).has_triangles(), "{text}");
+    }
+    // 8 W over pi times the area of 16 pi.
+    let power = world("AreaLightSource \"diffuse\" \"float power\" 8\nShape \"sphere\" \"float radius\" 2");
+    near(power.scene.materials()[0].emission[0].into(), 8.0 / (16.0 * std::f64::consts::PI.powi(2)));
+}
+
 #[test]
 fn a_sphere_is_stored_once() {
     let loaded =

@@ -29,6 +29,11 @@ def CylinderLight "Tube" { float inputs:length = 2 }
         ([10.0; 3], [10.0; 3], [1.0, 0.5, 0.0]),
         "W per area and angle"
     );
+    assert_eq!(
+        scene.meshes()[3].primitives,
+        gnurt_scene::Primitives::Spheres(vec![1.0]),
+        "a ball is a sphere"
+    );
     // They shine along -z, and balls outwards.
     for mesh in &scene.meshes()[..3] {
         let [a, b, c] = mesh.indices[0].map(|i| mesh.positions[i as usize]);
