@@ -193,7 +193,8 @@ impl ShaderEmission {
     fn mean_of(&self, number: usize, shape: &EmissiveShape, probes: usize) -> f32 {
         let Some(shader_emission) = self.shapes[number] else { return 0.0 };
         let probe = |i: usize| {
-            let (position, normal) = shape.outline.place(looking_at(i as u32));
+            let position = shape.outline.place(looking_at(i as u32));
+            let normal = shape.outline.normal_at(position);
             // Of all directions to all parts of the shape.
             let [a, b] = looking_at((i * 7 + 3) as u32);
             let dir = -Basis::around(normal).to_world(cosine_hemisphere([b, a])).normalize();

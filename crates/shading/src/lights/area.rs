@@ -202,7 +202,7 @@ impl ShapeLights {
     ) -> Option<Self> {
         let last = all.iter().map(|t| t.emitter as usize).max();
         assert!(last < Some(emitters.len()), "emitter {last:?} of {}", emitters.len());
-        let power = |shape: &EmissiveShape| 2.0 * shape.outline.area() * f64::from(shape.brightness);
+        let power = |shape: &EmissiveShape| shape.outline.area() * f64::from(shape.brightness);
         let distribution = Distribution::new(all.iter().map(power))?;
         let shapes = all.iter().map(|shape| Shape::new(&shape.outline, shape.brightness)).collect();
         Some(Self { all, shapes, emitters, shaders, distribution })

@@ -7,7 +7,7 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::light_estimates::{Aim, TriangleAt};
 use super::light_tree::LightBounds;
@@ -57,20 +57,26 @@ impl Outline {
     #[must_use]
     pub fn area(&self) -> f64 {
         match self {
-            Self::Triangle(p) => 0.5 * double_area(p),
+            Self::Triangle(p) => 0.5 * across(p).length(),
             Self::Sphere { radius, .. } => 4.0 * std::f64::consts::PI * f64::from(*radius).powi(2),
         }
     }
 
-    /// A place by two numbers in [0, 1), uniform by area, and the unit normal there.
+    /// A place by two numbers in [0, 1), uniform by area.
     #[must_use]
-    pub fn place(&self, u: [f32; 2]) -> ([f32; 2], Vec3) {
+    pub fn place(&self, u: [f32; 2]) -> [f32; 2] {
         match self {
-            Self::Triangle([a, b, c]) => (sampling::triangle(u), (b - a).cross(c - a).normalize_or_zero()),
-            Self::Sphere { .. } => {
-                let normal = uniform_sphere(u);
-                (square_of(Vector::from(normal)), normal)
-            }
+            Self::Triangle(_) => sampling::triangle(u),
+            Self::Sphere { .. } => square_of(Vector::from(uniform_sphere(u))),
+        }
+    }
+
+    /// The unit normal of a place; zero of triangles without area.
+    #[must_use]
+    pub fn normal_at(&self, place: [f32; 2]) -> Vec3 {
+        match self {
+            Self::Triangle([a, b, c]) => (b - a).cross(c - a).normalize_or_zero(),
+            Self::Sphere { .. } => direction_of(place),
         }
     }
 
@@ -84,9 +90,10 @@ impl Outline {
     }
 }
 
-fn double_area(p: &[Vec3; 3]) -> f64 {
+/// A normal of a triangle as long as twice its area.
+fn across(p: &[Vec3; 3]) -> DVec3 {
     let p = p.map(Vec3::as_dvec3);
-    (p[1] - p[0]).cross(p[2] - p[0]).length()
+    (p[1] - p[0]).cross(p[2] - p[0])
 }
 
 impl Shape {
@@ -94,10 +101,8 @@ impl Shape {
     pub(super) fn new(outline: &Outline, brightness: f32) -> Self {
         match *outline {
             Outline::Triangle(corners) => {
-                let p = corners.map(Vec3::as_dvec3);
-                let cross = (p[1] - p[0]).cross(p[2] - p[0]);
-                let area = (0.5 * cross.length()) as f32;
-                let normal = cross.normalize_or_zero().as_vec3();
+                let area = outline.area() as f32;
+                let normal = across(&corners).normalize_or_zero().as_vec3();
                 Self { p: corners, normal, extent: area, power: area * brightness }
             }
             Outline::Sphere { center, radius } => {
@@ -109,6 +114,11 @@ impl Shape {
 
     fn radius(&self) -> Option<f32> {
         (self.extent < 0.0).then_some(-self.extent)
+    }
+
+    fn outline(&self) -> Outline {
+        self.radius()
+            .map_or(Outline::Triangle(self.p), |radius| Outline::Sphere { center: self.p[0], radius })
     }
 
     /// The same as choices see it.
@@ -157,7 +167,7 @@ impl Shape {
 
     /// A place by two numbers in [0, 1), uniform by area.
     pub(super) fn place(&self, u: [f32; 2]) -> [f32; 2] {
-        if self.extent < 0.0 { square_of(Vector::from(uniform_sphere(u))) } else { sampling::triangle(u) }
+        self.outline().place(u)
     }
 
     /// The place on a sphere of a point near it.
@@ -172,11 +182,8 @@ impl Shape {
     }
 
     /// The point of a place.
-    pub(super) fn point(&self, [b1, b2]: [f32; 2]) -> Vec3 {
-        if let Some(radius) = self.radius() {
-            return self.p[0] + direction_of([b1, b2]) * radius;
-        }
-        self.p[0] + (self.p[1] - self.p[0]) * b1 + (self.p[2] - self.p[0]) * b2
+    pub(super) fn point(&self, place: [f32; 2]) -> Vec3 {
+        self.outline().point(place)
     }
 
     /// The same, but short of the shape by its rounding error, so that it does not shadow itself.
