@@ -66,6 +66,7 @@ pub struct PictureEnvironment {
 struct Choices {
     grid: GridDistribution,
     irradiance: Irradiance,
+    unevenness: f32,
 }
 
 /// The grid of choices has no more cells than this along each axis.
@@ -144,6 +145,11 @@ impl PictureEnvironment {
     pub(super) fn irradiance(&self, normal: Vec3) -> f32 {
         let brightness = luminance(self.radiance.into());
         brightness * self.choices.irradiance.of(self.world_from_light.transpose() * normal)
+    }
+
+    /// 1 less the square of the mean brightness over the mean of its square.
+    pub(super) fn unevenness(&self) -> f32 {
+        self.choices.unevenness
     }
 
     /// A world direction and its density per solid angle.
@@ -225,7 +231,18 @@ fn choices(texture: &TextureSampler, threads: Threads) -> Option<Choices> {
     // From sums of samples to integrals over cells.
     let scale = f64::from(TAU) / (columns * (across + 1) * (down + 1)) as f64;
     let grid = GridDistribution::new(columns, &weights.concat())?;
-    Some(Choices { grid, irradiance: Irradiance::new(&weights, scale) })
+    Some(Choices { grid, irradiance: Irradiance::new(&weights, scale), unevenness: unevenness(&weights) })
+}
+
+/// Of brightness times solid angle of each cell, rows of columns: 1 less the square of the mean brightness over the mean of its square.
+fn unevenness(cells: &[Vec<f64>]) -> f32 {
+    let (mut total, mut squares, rows) = (0.0, 0.0, cells.len());
+    for (row, cells) in cells.iter().enumerate() {
+        let solid_angle = f64::from(cell_solid_angle(row, cells.len(), rows));
+        total += cells.iter().sum::<f64>();
+        squares += cells.iter().map(|cell| cell * cell / solid_angle).sum::<f64>();
+    }
+    (1.0 - total * total / (4.0 * f64::from(PI) * squares)).max(0.0) as f32
 }
 
 /// Irradiance by normal: nine spherical harmonics.
@@ -362,6 +379,24 @@ mod tests {
         let total = EnvironmentLight::Picture(Arc::new(picture())).total();
         let found = light.irradiance(Vec3::ZERO);
         assert!((found / total - 1.0).abs() < 0.05, "from all sides: {found} instead of {total}");
+    }
+
+    #[test]
+    fn unevenness_is_that_of_the_brightness() {
+        let of = |cells: &[f64]| {
+            let rows = [0, 1, 2, 3].map(|row| {
+                let solid_angle = f64::from(cell_solid_angle(row, cells.len(), 4));
+                cells.iter().map(|cell| cell * solid_angle).collect()
+            });
+            unevenness(&rows)
+        };
+        assert!(of(&[2.0; 8]) < 1e-6, "the same from everywhere: {}", of(&[2.0; 8]));
+        let half = of(&[0.0, 3.0]);
+        assert!((half - 0.5).abs() < 1e-6, "a bright half: {half}");
+        let mut sun = [0.0; 100];
+        sun[7] = 1.0;
+        assert!((of(&sun) - 0.99).abs() < 1e-5, "a hundredth: {}", of(&sun));
+        assert!(picture().unevenness() > 0.5, "one bright texel of a dark sky: {}", picture().unevenness());
     }
 
     #[test]

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The choice between the groups of lights of a set: those of the tree, each directional light, the environment.
 //! Source: as in the tree [EK18] the choice follows the contribution that each group is estimated to make to the
-//! point, unoccluded. Differs: a share of all choices is even, because the brightest group may be occluded.
+//! point, unoccluded. Differs: a share of all choices is even, because the brightest group may be occluded; and of the sky only
+//! what scattered rays do not find as well counts ([KSV*19] takes that off the densities of the sky's directions).
 //! Space: world; estimates are irradiances (fluences where a point requests all sides), by brightness.
 //! Invariants: `group_share` is the probability of `choose_group` for the same point and normal; a group whose estimate is
 //! 0 brings nothing to the point.
@@ -10,6 +11,7 @@
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
+use super::EnvironmentLight;
 use super::light_set::LightSet;
 use crate::sampling::Choice;
 use crate::sampling::distribution::ALMOST_ONE;
@@ -21,18 +23,23 @@ const LEAST_COSINE: f32 = 1.0 / 16.0;
 /// Groups that are sampled one by one where a vertex is worth a ray to each.
 const MOST_SPLIT: usize = 4;
 
+/// Skies of less unevenness are not sampled one by one.
+const WORTH_A_RAY: f32 = 0.25;
+
 /// Estimates at one point.
 struct Estimates {
     near: f32,
     sky: f32,
     sum: f32,
-    /// How many are above zero.
+    /// The weight of the sky among those above zero.
+    sky_weight: f32,
+    /// Sum of the weights of those above zero; each but the sky counts as 1.
     shining: f32,
 }
 
 impl Estimates {
-    fn share(&self, estimate: f32) -> f32 {
-        if estimate > 0.0 { (1.0 - EVEN) * (estimate / self.sum) + EVEN / self.shining } else { 0.0 }
+    fn share(&self, (estimate, weight): (f32, f32)) -> f32 {
+        if estimate > 0.0 { (1.0 - EVEN) * (estimate / self.sum) + EVEN * weight / self.shining } else { 0.0 }
     }
 }
 
@@ -44,9 +51,11 @@ impl LightSet {
     }
 
     /// The groups that are sampled one by one at vertices which are worth a ray to each; none where there is but one, or many.
+    /// A sky that is nearly the same on all sides is not worth one.
     #[must_use]
     pub fn split_groups(&self) -> std::ops::Range<usize> {
-        let groups = usize::from(self.near.tree.is_empty())..self.group_count();
+        let is_even = self.parts.environment.as_ref().is_some_and(|sky| sky.unevenness() < WORTH_A_RAY);
+        let groups = usize::from(self.near.tree.is_empty())..self.group_count() - usize::from(is_even);
         if (2..=MOST_SPLIT).contains(&groups.len()) { groups } else { 0..0 }
     }
 
@@ -84,22 +93,24 @@ impl LightSet {
     fn estimates(&self, p: Vec3, ns: Vec3) -> Estimates {
         let near = self.near.tree.contribution(p, ns, |light| self.contribution(light, p, ns));
         let sky = self.parts.environment.as_ref().map_or(0.0, |environment| environment.irradiance(ns));
-        let mut estimates = Estimates { near, sky, sum: 0.0, shining: 0.0 };
+        let sky_weight = self.parts.environment.as_ref().map_or(0.0, EnvironmentLight::unevenness);
+        let mut estimates = Estimates { near, sky: sky * sky_weight, sky_weight, sum: 0.0, shining: 0.0 };
         for index in 0..self.group_count() {
-            let estimate = self.estimate(&estimates, index, ns);
+            let (estimate, weight) = self.estimate(&estimates, index, ns);
             estimates.sum += estimate;
-            estimates.shining += if estimate > 0.0 { 1.0 } else { 0.0 };
+            estimates.shining += if estimate > 0.0 { weight } else { 0.0 };
         }
         estimates
     }
 
-    fn estimate(&self, estimates: &Estimates, index: usize, ns: Vec3) -> f32 {
+    /// What a group brings, and its weight in even choices.
+    fn estimate(&self, estimates: &Estimates, index: usize, ns: Vec3) -> (f32, f32) {
         if index == 0 {
-            return estimates.near;
+            return (estimates.near, 1.0);
         }
-        self.parts.directionals.get(index - 1).map_or(estimates.sky, |light| {
+        self.parts.directionals.get(index - 1).map_or((estimates.sky, estimates.sky_weight), |light| {
             let cos = if ns == Vec3::ZERO { 1.0 } else { ns.dot(light.towards).max(LEAST_COSINE) };
-            luminance(light.irradiance.into()) * cos
+            (luminance(light.irradiance.into()) * cos, 1.0)
         })
     }
 }

@@ -77,6 +77,9 @@ pub struct LightSample {
     pub light: LightId,
 }
 
+/// Of even light: techniques without scattered rays need some samples.
+const LEAST_UNEVEN: f32 = 0.05;
+
 /// Whether a sample can count.
 pub(super) fn is_sound(sample: &LightSample) -> bool {
     sample.pdf > 0.0 && sample.pdf.is_finite() && sample.radiance.is_finite()
@@ -123,6 +126,15 @@ impl EnvironmentLight {
                 luminance(constant.radiance.into()) * if normal == Vec3::ZERO { 4.0 * PI } else { PI }
             }
             Self::Picture(picture) => picture.irradiance(normal),
+        }
+    }
+
+    /// The part of its light, from [`LEAST_UNEVEN`] to 1, for which directions chosen by brightness are better than scattered
+    /// rays: 0 for the same from everywhere, near 1 for a sun.
+    pub(super) fn unevenness(&self) -> f32 {
+        match self {
+            Self::Constant(_) => LEAST_UNEVEN,
+            Self::Picture(picture) => picture.unevenness().max(LEAST_UNEVEN),
         }
     }
 

@@ -258,7 +258,9 @@ impl LightSet {
     /// The same where its group was named.
     #[must_use]
     pub fn pdf_environment_in_group(&self, ns: Vec3, dir: Vec3) -> f32 {
-        self.parts.environment.as_ref().map_or(0.0, |environment| environment.pdf(ns, dir))
+        let is_sampled = self.split_groups().end == self.group_count();
+        let sky = self.parts.environment.as_ref().filter(|_| is_sampled);
+        sky.map_or(0.0, |environment| environment.pdf(ns, dir))
     }
 
     /// Whether light comes from everywhere.

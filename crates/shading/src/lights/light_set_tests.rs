@@ -257,20 +257,22 @@ fn groups_are_chosen_by_contribution() {
             assert!((count - share).abs() < 1e-3, "group {index}: {count} of choices, share {share}");
         }
     }
-    // A sun of irradiance 3 and a sky of irradiance pi, without and with the sun below the horizon.
+    // A sun of irradiance 3 and a sky of irradiance pi, without and with the sun below the horizon: scattered rays find
+    // light that is the same from everywhere as well.
     let lights = set(LightParts {
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::splat(3.0)).into_iter().collect(),
         environment: Some(EnvironmentLight::Constant(Arc::new(ConstantEnvironment { radiance: Vec3::ONE }))),
         ..LightParts::default()
     });
-    assert_eq!(lights.split_groups(), 1..3, "no light has a position");
+    assert_eq!(lights.split_groups(), 0..0, "no light has a position, and the sky is not worth a ray");
     let sky = |n| lights.group_share(2, Vec3::ZERO, n);
+    let left = 0.05 * PI;
     assert!(
-        (sky(Vec3::Z) - (0.75 * PI / (PI + 3.0) + 0.125)).abs() < 1e-6,
+        (sky(Vec3::Z) - (0.75 * left / (left + 3.0) + 0.25 * 0.05 / 1.05)).abs() < 1e-6,
         "by contribution: {}",
         sky(Vec3::Z)
     );
-    assert!(sky(-Vec3::Z) > 0.8, "the sun hardly counts below the horizon: {}", sky(-Vec3::Z));
+    assert!(sky(-Vec3::Z) > 0.3, "the sun hardly counts below the horizon: {}", sky(-Vec3::Z));
 }
 
 /// Groups that are sampled one by one bring what one sample of all brings.
