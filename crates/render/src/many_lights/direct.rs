@@ -106,8 +106,7 @@ fn sample<W: Width>(
         let key = |n: usize| SampleKey { sample: first_of.wrapping_add(first + n as u32), ..walk.key };
         let keys: [SampleKey; LANES] = std::array::from_fn(key);
         let draws = width.draws(seed, &keys, &[walk.edges; LANES]);
-        let [emitter_choice, _] = W::pair(draws, purpose::LAMP);
-        let [u, v] = W::pair(draws, purpose::POSITION);
+        let [u, v, emitter_choice] = W::triple(draws, purpose::POSITION);
         let requested = (count - first).min(W::R::LANES as u32);
         let requests_light = zero.points((1 << requested) - 1);
         let all_sides = zero.points(if is_two_sided { u64::from(u32::MAX) } else { 0 });
@@ -139,8 +138,7 @@ fn sample_each<W: Width>(width: W, lights: &LightSet, seed: u64, stops: &[&Stop]
         all_sides |= u64::from(sampling_normal(&eye.point, &eye.bsdf) == Vec3::ZERO) << i;
     }
     let draws = width.draws(seed, &keys, &edges);
-    let [emitter_choice, _] = W::pair(draws, purpose::LAMP);
-    let [u, v] = W::pair(draws, purpose::POSITION);
+    let [u, v, emitter_choice] = W::triple(draws, purpose::POSITION);
     let requests_light = zero.points((1 << stops.len()) - 1);
     let [p, ns] = [&p, &ns].map(|[x, y, z]| Vector::load(zero, [x, y, z], 0));
     let light = width.lights(

@@ -18,7 +18,6 @@ use crate::transport::manifold::{Chain, SmoothPoint};
 pub(super) mod purpose {
     pub(crate) const DIRECTION: u32 = 0x5000;
     pub(crate) const LOBE: u32 = 0x5001;
-    pub(crate) const LAMP: u32 = 0x5002;
     pub(crate) const POSITION: u32 = 0x5003;
     pub(crate) const CHOICE: u32 = 0x5004;
     pub(crate) const CUT: u32 = 0x5005;
