@@ -19,6 +19,7 @@ mod heap;
 mod messages;
 mod nearest;
 mod ocio;
+#[cfg_attr(not(feature = "osl"), path = "absent_osl.rs")]
 mod osl;
 mod output;
 mod picture_header;

@@ -116,6 +116,7 @@ impl Source {
     }
 
     /// Its name alone, without folder and extension.
+    #[cfg(any(feature = "bench", feature = "window"))]
     pub(crate) fn stem(&self) -> String {
         self.stem_or("scene").to_string_lossy().into_owned()
     }

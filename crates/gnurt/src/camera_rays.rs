@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use gnurt_sl_shading::{CameraFrame, CameraScript};
+use crate::osl::{CameraFrame, CameraScript};
 
 use crate::render::{MovingCamera, SceneCamera};
 use crate::scene::Camera;

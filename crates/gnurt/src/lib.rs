@@ -92,6 +92,9 @@ pub mod mattes;
 pub mod memory;
 mod named_shaders;
 mod numbered;
+#[cfg(not(feature = "osl"))]
+#[path = "absent_osl.rs"]
+pub mod osl;
 pub mod relight;
 mod script_sky;
 mod size;
@@ -112,6 +115,7 @@ pub use gnurt_scene as scene;
 pub use gnurt_scene::overrides::Override;
 pub use gnurt_shading as shading;
 pub use gnurt_simd as simd;
+#[cfg(feature = "osl")]
 pub use gnurt_sl_shading as osl;
 pub use load::{
     BUILTIN, FORMATS, LoadOptions, Loaded, builtin_names, builtin_scenes, load_scene, load_scene_with,

@@ -5,12 +5,12 @@
 
 use std::sync::Arc;
 
+use crate::osl::{Access, CameraScript, Kind, Script, sampler};
 use gnurt_image::WorkingSpace;
 use gnurt_render::ShaderTable;
 use gnurt_scene::displacement::{Displacement, Offset};
 use gnurt_scene::{CameraId, MaterialId, Scene, ShaderFile, Surface, TextureId};
 use gnurt_shading::DisplacementShader;
-use gnurt_sl_shading::{Access, CameraScript, Kind, Script, sampler};
 
 /// Compiles a shader that a scene's file names or holds, and gives its parameters their values.
 fn script(scene: &Scene, named: &ShaderFile, space: WorkingSpace) -> Result<Script, String> {

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use gnurt_sl_shading::{Access, Script};
+use crate::osl::{Access, Script};
 
 use crate::image::{TexelData, Texels};
 use crate::shading::{EnvironmentShader, Vec3s};

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnurt_sl_shading::{Script, is_carried};
+use crate::osl::{Script, is_carried};
 
 use crate::error::Error;
 use crate::image::{self, Texels};

@@ -13,7 +13,7 @@ use crate::image::{Grid, Volume};
 use crate::scene::medium::{DensityGrid, Extent, Medium, Phase};
 use crate::scene::volume_cells::{Heat, MOST_VOLUME_BYTES, VolumeCells, density_grid, grid_named};
 use crate::scene::{MediumId, Scene};
-use gnurt_sl_shading::ColorSystem;
+use gnurt_sl_lib::color::ColorSystem;
 
 /// How a medium of an option scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -41,24 +41,24 @@ pub(crate) enum BenchCommand {
     Light(Box<BenchLightArguments>),
 }
 
-impl BenchCommand {
+impl BenchArguments {
     pub(crate) fn verbosity_arguments(&self) -> &VerbosityArguments {
-        match self {
-            Self::Rays(arguments) => &arguments.verbosity_arguments,
-            Self::Build(arguments) => &arguments.verbosity_arguments,
-            Self::Dynamic(arguments) => &arguments.verbosity_arguments,
-            Self::Paper(arguments) => &arguments.verbosity_arguments,
-            Self::Light(arguments) => &arguments.verbosity_arguments,
+        match &self.command {
+            BenchCommand::Rays(arguments) => &arguments.verbosity_arguments,
+            BenchCommand::Build(arguments) => &arguments.verbosity_arguments,
+            BenchCommand::Dynamic(arguments) => &arguments.verbosity_arguments,
+            BenchCommand::Paper(arguments) => &arguments.verbosity_arguments,
+            BenchCommand::Light(arguments) => &arguments.verbosity_arguments,
         }
     }
 
     pub(crate) fn machine(&self) -> Option<&MachineArguments> {
-        match self {
-            Self::Rays(arguments) => Some(&arguments.machine),
-            Self::Build(arguments) => Some(&arguments.machine),
-            Self::Dynamic(arguments) => Some(&arguments.machine),
-            Self::Paper(_) => None,
-            Self::Light(arguments) => Some(&arguments.machine),
+        match &self.command {
+            BenchCommand::Rays(arguments) => Some(&arguments.machine),
+            BenchCommand::Build(arguments) => Some(&arguments.machine),
+            BenchCommand::Dynamic(arguments) => Some(&arguments.machine),
+            BenchCommand::Paper(_) => None,
+            BenchCommand::Light(arguments) => Some(&arguments.machine),
         }
     }
 }

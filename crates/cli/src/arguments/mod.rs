@@ -3,6 +3,7 @@
 //! docs/reference/cli.md. An option given twice: the last one wins. Values may start with a minus. Tests:
 //! `tests/program/arguments.rs`.
 
+#[cfg_attr(not(feature = "bench"), path = "absent_bench.rs")]
 mod bench;
 mod denoise;
 mod denoiser;
@@ -25,9 +26,11 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub(crate) use bench::BenchArguments;
+#[cfg(feature = "bench")]
 pub(crate) use bench::{
-    BenchArguments, BenchBuildArguments, BenchCommand, BenchDynamicArguments, BenchLightArguments,
-    BenchPaperArguments, BenchRaysArguments,
+    BenchBuildArguments, BenchCommand, BenchDynamicArguments, BenchLightArguments, BenchPaperArguments,
+    BenchRaysArguments,
 };
 pub(crate) use denoise::DenoiseArguments;
 pub(crate) use denoiser::DenoiserArguments;
@@ -153,7 +156,7 @@ impl Command {
             Self::Diff(arguments) => &arguments.verbosity_arguments,
             Self::Convert(arguments) => &arguments.verbosity_arguments,
             Self::Trace(arguments) => &arguments.verbosity_arguments,
-            Self::Bench(arguments) => arguments.command.verbosity_arguments(),
+            Self::Bench(arguments) => arguments.verbosity_arguments(),
             Self::Scenes(arguments) => &arguments.verbosity_arguments,
             Self::Manuals(arguments) => &arguments.verbosity_arguments,
         }
@@ -168,7 +171,7 @@ impl Command {
             Self::View(arguments) => Some(&arguments.machine),
             Self::Info(arguments) => Some(&arguments.machine),
             Self::Trace(arguments) => Some(&arguments.machine),
-            Self::Bench(arguments) => arguments.command.machine(),
+            Self::Bench(arguments) => arguments.machine(),
             Self::Relight(_) | Self::Diff(_) | Self::Convert(_) | Self::Scenes(_) | Self::Manuals(_) => None,
         }
     }

@@ -3,8 +3,11 @@
 
 mod band_rows;
 mod bands;
+#[cfg_attr(not(feature = "bench"), path = "absent_bench.rs")]
 pub(crate) mod bench;
+#[cfg(feature = "bench")]
 mod bench_files;
+#[cfg(feature = "bench")]
 mod bench_light;
 mod contents;
 pub(crate) mod convert;

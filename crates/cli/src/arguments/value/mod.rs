@@ -3,6 +3,7 @@
 //! docs/reference/cli.md.
 //! Invariant: no value leaves here that is NaN, infinite or out of its range. Tests: `tests`, also in the files below.
 
+#[cfg(feature = "bench")]
 mod bench;
 mod display_values;
 mod eye;
@@ -15,6 +16,7 @@ mod sampling;
 mod shader;
 mod usd;
 
+#[cfg(feature = "bench")]
 pub(crate) use bench::{batch, characters, columns, engine, instances, motion_case, ray_class, rounds};
 pub(crate) use display_values::{
     DenoiserChoice, ExposureChoice, bits, compression, denoiser, display, exposure, filter, quality,
