@@ -11,7 +11,12 @@ use gnurt_scene::io::{Formats, LoadOptions};
 use tempfile::TempDir;
 
 /// The formats of all crates.
-const FORMATS: Formats = gnurt_scene::io::FORMATS.with(&[&gnurt_pbrt::FORMAT, &gnurt_usd::FORMAT]);
+const FORMATS: Formats = gnurt_scene::io::FORMATS.with(&[
+    &gnurt_gltf::TEXT,
+    &gnurt_gltf::BINARY,
+    &gnurt_pbrt::FORMAT,
+    &gnurt_usd::FORMAT,
+]);
 
 thread_local! {
     static FOLDER: RefCell<TempDir> = RefCell::new(tempfile::tempdir().expect("a temporary folder"));

@@ -6,6 +6,32 @@ use std::path::Path;
 
 use crate::scene::io::{Error, Format};
 
+#[cfg(not(feature = "gltf"))]
+pub(crate) const GLTF_TEXT: Format = Format {
+    name: "glTF 2.0",
+    extensions: &["gltf"],
+    notes: "written without the environment",
+    ..GLTF_BINARY
+};
+
+#[cfg(not(feature = "gltf"))]
+pub(crate) const GLTF_BINARY: Format = Format {
+    name: "binary glTF 2.0",
+    extensions: &["glb"],
+    notes: "one file, with its textures; written without the environment",
+    read: Some(|path, _| Err(missing(path).unwrap_or_else(|| absent(path, "glTF", "gltf")))),
+    read_whole: true,
+    says_up: true,
+    write: Some(crate::scene::io::SceneWriter {
+        save: |_, path, _| Err(absent(path, "glTF", "gltf")),
+        companions: |_, _| Vec::new(),
+        has_materials: true,
+        has_animations: true,
+        has_strands: false,
+        is_whole: false,
+    }),
+};
+
 #[cfg(not(feature = "pbrt"))]
 pub(crate) const PBRT: Format = Format {
     name: "pbrt-v4",

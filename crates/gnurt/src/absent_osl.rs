@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The shading language in a build without it: its names are known, and whoever asks for a shader is told how to get it.
-//! Invariant: what programs call of `gnurt-sl-shading` is here with the same types, and there is never a [`Script`].
+//! The shading language in a build without it: its names are known, and a request for a shader is an error that says how to get it.
+//! Invariant: all names of `gnurt-sl-shading` that programs use are here with the same types, and there is never a [`Script`].
 //! Tests: builds of the program without features (`cargo xtask ci`).
 
 use std::collections::HashMap;
@@ -133,7 +133,7 @@ impl CameraScript {
 #[derive(Clone, Debug)]
 pub struct Script(Never);
 
-/// Methods of what there is none of.
+/// Methods that nothing can call.
 macro_rules! never {
     ($($(#[$attribute:meta])* $name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
         impl Script {
@@ -154,7 +154,7 @@ never! {
     again() -> Result<Self, String>;
     /// Whether a parameter can be changed without compiling.
     is_tunable(&str) -> bool;
-    /// What it is.
+    /// Its kind.
     kind() -> Kind;
     /// Its name.
     name() -> &str;
@@ -190,7 +190,7 @@ never! {
     /// # Errors
     /// Never: there is no script.
     environment() -> Result<Arc<dyn EnvironmentShader>, String>;
-    /// As what is behind the scene.
+    /// As the background of the scene.
     /// # Errors
     /// Never: there is no script.
     backdrop() -> Result<Option<Arc<dyn EnvironmentShader>>, String>;

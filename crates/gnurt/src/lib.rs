@@ -77,7 +77,7 @@
 //! * The API may change until version 1.0.
 #![deny(unsafe_code)]
 
-#[cfg(not(all(feature = "pbrt", feature = "usd")))]
+#[cfg(not(all(feature = "gltf", feature = "pbrt", feature = "usd")))]
 mod absent;
 mod camera_rays;
 pub mod defaults;

@@ -4,7 +4,7 @@
 
 use std::ffi::OsStr;
 
-#[cfg(not(all(feature = "pbrt", feature = "usd")))]
+#[cfg(not(all(feature = "gltf", feature = "pbrt", feature = "usd")))]
 use crate::absent;
 use crate::scene::io;
 
@@ -13,6 +13,14 @@ pub use io::{LoadOptions, Loaded};
 /// The scene formats: those of [`scene::io`](crate::scene::io), and those of other crates, one line each.
 /// Formats that were not compiled into this build are there, too: files of them are errors that tell how to get it.
 pub const FORMATS: io::Formats = io::FORMATS.with(&[
+    #[cfg(feature = "gltf")]
+    &gnurt_gltf::TEXT,
+    #[cfg(feature = "gltf")]
+    &gnurt_gltf::BINARY,
+    #[cfg(not(feature = "gltf"))]
+    &absent::GLTF_TEXT,
+    #[cfg(not(feature = "gltf"))]
+    &absent::GLTF_BINARY,
     #[cfg(feature = "pbrt")]
     &gnurt_pbrt::FORMAT,
     #[cfg(not(feature = "pbrt"))]

@@ -151,7 +151,7 @@ fn data() -> Data {
     let uv: Vec<u16> = first.iter().map(|x| (x * 65535.0).round() as u16).collect();
     data.add(&bytes(&uv, |i| i.to_le_bytes()), 5123, n, "VEC2", r#","normalized":true"#);
     data.add(&bytes(&second, float), 5126, n, "VEC2", "");
-    let streams = include_str!("../../scene/tests/data/meshopt.txt");
+    let streams = include_str!("../../gltf/tests/data/meshopt.txt");
     let corners = triangles.len();
     let compressed = [
         ("p1", "ATTRIBUTES", 12, (5126, n, "VEC3", bounds)),

@@ -270,7 +270,7 @@ impl Scene {
     }
 
     /// Replaces the animation by a checked one.
-    pub(crate) fn set_animation(&mut self, animation: Animation) {
+    pub fn set_animation(&mut self, animation: Animation) {
         self.animation = Some(Arc::new(animation));
         self.playback = Playback::default();
     }

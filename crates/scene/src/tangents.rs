@@ -10,7 +10,7 @@ use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use crate::mesh::Mesh;
 
 /// Bytes that are held for a triangle while tangents are made, about.
-pub(crate) const BYTES_PER_TRIANGLE: usize = 512;
+pub const BYTES_PER_TRIANGLE: usize = 512;
 
 /// Tangents per vertex, as [`Mesh::tangents`] has them; empty where the mesh has no normals or no texture coordinates.
 #[must_use]

@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use crate::common::unpacked;
+use crate::common::{load, unpacked};
 use gnurt_scene::Scene;
-use gnurt_scene::io::{Oddity, load};
+use gnurt_scene::io::Oddity;
 use serde::Deserialize;
 
 /// A row of the other program's output.

@@ -32,7 +32,7 @@ fn counts_are_those_of_the_readme() {
         return;
     };
     for &(file, triangles, vertices, materials) in SCENES {
-        let loaded = gnurt_scene::io::load(root.join(file)).unwrap_or_else(|e| panic!("{e}"));
+        let loaded = crate::common::load(root.join(file)).unwrap_or_else(|e| panic!("{e}"));
         let scene = &loaded.scene;
         let count: usize = scene.meshes().iter().map(|m| m.indices.len()).sum();
         let dropped = loaded.warnings.count(gnurt_scene::io::Oddity::ZeroAreaTriangle) as usize;
@@ -68,7 +68,7 @@ fn animated_ones_load_in_their_rest_pose() {
     ];
     for (file, triangles) in files {
         let path = root.join("animated").join(file);
-        let loaded = gnurt_scene::io::load(path).unwrap_or_else(|e| panic!("{e}"));
+        let loaded = crate::common::load(path).unwrap_or_else(|e| panic!("{e}"));
         let count: usize = loaded.scene.meshes().iter().map(|m| m.indices.len()).sum();
         assert_eq!(count, triangles, "{file}: triangles");
     }

@@ -417,7 +417,7 @@ fn many_names_take_no_quadratic_time() {
     (0..50_000).for_each(|k| text += &format!("usemtl m{k}\nf 1 2 3\n"));
     let path = folder.path().join("t.obj");
     std::fs::write(&path, text).expect("a file");
-    let scene = gnurt_scene::io::load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
+    let scene = crate::common::load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
     assert_eq!(scene.meshes().len(), 50_000, "one mesh per material");
     // It takes about half a second; comparing each with each takes minutes.
     assert!(begin.elapsed().as_secs() < 15, "{:?} for one pass over the file", begin.elapsed());
@@ -435,7 +435,7 @@ fn buffers_that_name_one_file_share_its_bytes() {
     let json = format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{}]}}"#, buffers.join(","));
     std::fs::write(&path, json).expect("a file");
     let begin = std::time::Instant::now();
-    gnurt_scene::io::load(&path).unwrap_or_else(|e| panic!("{e}"));
+    crate::common::load(&path).unwrap_or_else(|e| panic!("{e}"));
     assert!(
         begin.elapsed().as_millis() < 300,
         "the file was read once, not 2,000 times: {:?}",
@@ -449,13 +449,13 @@ fn system_errors_come_without_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("circle.obj");
     std::os::unix::fs::symlink("circle.obj", &path).expect("a link to itself");
-    let line = gnurt_scene::io::load(&path).expect_err("a circle").to_string();
+    let line = crate::common::load(&path).expect_err("a circle").to_string();
     assert!(line.contains("too many levels") && !line.contains("os error"), "words only: {line}");
 }
 
 #[test]
 fn paths() {
-    let message = |path: &str| gnurt_scene::io::load(path).expect_err("no scene").to_string();
+    let message = |path: &str| crate::common::load(path).expect_err("no scene").to_string();
     assert!(message("no/such.obj").contains("no such file"), "a missing file");
     assert!(
         message("Cargo.toml").contains("unknown scene format `.toml`; valid are .obj, .ply"),

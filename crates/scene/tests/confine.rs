@@ -4,7 +4,8 @@
 
 use std::path::Path;
 
-use gnurt_scene::io::{Error, FORMATS, LoadOptions, Loaded, load};
+use crate::common::{FORMATS, load};
+use gnurt_scene::io::{Error, LoadOptions, Loaded};
 
 const V: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 /// A PNG of one pixel.

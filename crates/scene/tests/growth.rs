@@ -4,11 +4,13 @@
 
 #![expect(clippy::print_stdout, reason = "a failing table tells the row that it was at")]
 
+mod common;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use common::load;
 use gnurt_image::{Picture, PictureFormat, WriteOptions};
-use gnurt_scene::io::load;
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]

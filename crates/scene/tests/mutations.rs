@@ -3,8 +3,7 @@
 //! Source: after the habit of fuzzing parsers, but without chance. Then files changed in several places at once,
 //! grown and spliced by a fixed sequence of numbers: half a second of each format, or `GNURT_MUTATE=SECONDS` of them.
 
-use crate::common::{glb, load_named};
-use gnurt_scene::io::save;
+use crate::common::{glb, load_named, save};
 use gnurt_scene::{Material, Mesh, Scene};
 
 /// One triangle, with everything that the writers can say about it.
@@ -29,7 +28,7 @@ fn mutate(name: &str, bytes: &[u8]) {
     let path = folder.path().join(name);
     let attempt = |bytes: &[u8]| {
         std::fs::write(&path, bytes).expect("a file");
-        match gnurt_scene::io::load(&path) {
+        match crate::common::load(&path) {
             Ok(loaded) => loaded.scene.check().unwrap_or_else(|e| panic!("{name}: {e}")),
             Err(error) => assert!(!error.to_string().contains('\n'), "{name}: one line: {error}"),
         }
@@ -70,7 +69,7 @@ fn mtl() {
             let mut changed = mtl.to_vec();
             changed[at] ^= flip;
             std::fs::write(&library, changed).expect("a file");
-            let loaded = gnurt_scene::io::load(&path).expect("a broken library is no error");
+            let loaded = crate::common::load(&path).expect("a broken library is no error");
             assert_eq!(loaded.scene.meshes().len(), 1, "byte {at}: the triangle is there");
         }
     }
@@ -198,7 +197,7 @@ fn many_changes_at_once() {
                 std::fs::write(&scene, &obj).expect("a file");
             }
             let once = std::time::Instant::now();
-            match gnurt_scene::io::load(&scene) {
+            match crate::common::load(&scene) {
                 Ok(loaded) => loaded.scene.check().unwrap_or_else(|e| panic!("{name} {count}: {e}")),
                 Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{name} {count}: {error}"),
             }

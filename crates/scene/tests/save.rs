@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
+use crate::common::{load, save};
 use gnurt_scene::builtin;
 use gnurt_scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
-use gnurt_scene::io::{load, save};
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{
@@ -569,14 +569,14 @@ fn animations_are_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for k in 0..4 {
         let name = format!("chance-{k}.gltf");
-        let mut first = gnurt_scene::io::load(data.join(&name)).expect("a scene").scene;
+        let mut first = crate::common::load(data.join(&name)).expect("a scene").scene;
         assert!(first.animation().is_some_and(|a| !a.clips.is_empty()), "{name} moves");
         for written in ["again.gltf", "again.glb"] {
             let path = folder.path().join(written);
             let warnings = save(&first, &path).expect("written");
             let text = warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
             assert!(!text.contains("animation"), "{name}: {text}");
-            let mut second = gnurt_scene::io::load(&path).unwrap_or_else(|e| panic!("{name}: {e}")).scene;
+            let mut second = crate::common::load(&path).unwrap_or_else(|e| panic!("{name}: {e}")).scene;
             let clips = first.animation().map_or(0, |a| a.clips.len());
             assert_eq!(second.animation().map_or(0, |a| a.clips.len()), clips, "{name}: clips");
             for clip in 0..clips {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! STL and 3MF, and the axis that points upwards.
 
-use crate::common::load_named;
-use gnurt_scene::io::{FORMATS, LoadOptions, Oddity, UpAxis, save};
+use crate::common::{FORMATS, load_named, save};
+use gnurt_scene::io::{LoadOptions, Oddity, UpAxis};
 use gnurt_scene::{Affine, Material, Mesh, Scene, Surface};
 
 /// The corners of all triangles in the world, one line each, in order.

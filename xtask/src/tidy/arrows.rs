@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 33] = [
+const ARROWS: [(&str, &[&str]); 34] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -14,6 +14,7 @@ const ARROWS: [(&str, &[&str]); 33] = [
     ("denoise", &["simd", "image"]),
     ("subdivision", &[]),
     ("scene", &["image", "subdivision"]),
+    ("gltf", &["image", "scene"]),
     ("usd", &["image", "scene", "materialx"]),
     ("shading", &["simd", "image", "accel"]),
     ("materialx", &[]),
@@ -30,9 +31,11 @@ const ARROWS: [(&str, &[&str]); 33] = [
             "image",
             "denoise",
             "scene",
+            "gltf",
             "usd",
             "shading",
             "render",
+            "sl-lib",
             "sl-shading",
             "ocio",
             "pbrt",

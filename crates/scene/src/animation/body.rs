@@ -92,7 +92,7 @@ impl Deltas {
 
     /// Only for the vertices in `retained`, ascending.
     #[must_use]
-    pub(crate) fn keep(&self, retained: &[u32]) -> Self {
+    pub fn keep(&self, retained: &[u32]) -> Self {
         if self.is_empty() {
             return self.clone();
         }
@@ -160,7 +160,7 @@ impl Influences {
     }
 
     /// Only for the vertices in `retained`.
-    pub(crate) fn keep(&self, retained: &[u32]) -> Self {
+    pub fn keep(&self, retained: &[u32]) -> Self {
         let mut to = Self::with_capacity(retained.len());
         retained.iter().for_each(|&vertex| to.push(self.of(vertex as usize).iter().copied()));
         to
@@ -218,7 +218,7 @@ impl Body {
 }
 
 /// Adds a morph target times its weight; a weight that is not finite adds nothing.
-pub(crate) fn add_morph(morph: &Morph, weight: f32, to: &mut Mesh) {
+pub fn add_morph(morph: &Morph, weight: f32, to: &mut Mesh) {
     if weight == 0.0 || !weight.is_finite() {
         return;
     }
@@ -237,7 +237,7 @@ pub(crate) fn add_morph(morph: &Morph, weight: f32, to: &mut Mesh) {
 }
 
 /// Moves every vertex by the mean of its joints.
-pub(crate) fn follow_joints(influences: &Influences, how: &Bend, to: &mut Mesh) {
+pub fn follow_joints(influences: &Influences, how: &Bend, to: &mut Mesh) {
     for (i, position) in to.positions.iter_mut().enumerate().take(influences.vertices()) {
         let Some(world_from_mesh) = blend(influences.of(i), &how.joints) else { continue };
         *position = world_from_mesh.point(position.map(f64::from)).map(|x| x as f32);
@@ -255,7 +255,7 @@ pub(crate) fn follow_joints(influences: &Influences, how: &Bend, to: &mut Mesh) 
 }
 
 /// Which vertices joints mirror; `None` where no joint does.
-pub(crate) fn mirrored(influences: &Influences, how: &Bend) -> Option<Vec<bool>> {
+pub fn mirrored(influences: &Influences, how: &Bend) -> Option<Vec<bool>> {
     if !how.joints.iter().any(|joint| joint.determinant() < 0.0) {
         return None;
     }
@@ -266,7 +266,7 @@ pub(crate) fn mirrored(influences: &Influences, how: &Bend) -> Option<Vec<bool>>
 
 /// Reverses triangles with more mirrored corners than others, so that their geometric normals stay on the
 /// side of their corners' normals.
-pub(crate) fn reverse_mirrored(triangles: &mut [[u32; 3]], mirrored: &[bool]) {
+pub fn reverse_mirrored(triangles: &mut [[u32; 3]], mirrored: &[bool]) {
     let is_mirrored = |i: u32| mirrored.get(i as usize).copied().unwrap_or(false);
     for triangle in triangles {
         if triangle.iter().filter(|&&i| is_mirrored(i)).count() >= 2 {
@@ -309,7 +309,7 @@ fn normal_vector(m: &Affine, n: [f64; 3]) -> [f64; 3] {
 
 /// Whether a transform scales some directions more than others, by more than its rounding.
 #[must_use]
-pub(crate) fn stretches(m: &Affine) -> bool {
+pub fn stretches(m: &Affine) -> bool {
     let [a, b, c, _] = m.columns;
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     let lengths = [dot(a, a), dot(b, b), dot(c, c)];

@@ -27,11 +27,11 @@ mod pose;
 mod sampler;
 
 pub use body::{Bend, Body, Deltas, Influences, Morph};
-pub(crate) use body::{add_morph, follow_joints, mirrored, reverse_mirrored, stretches};
+pub use body::{add_morph, follow_joints, mirrored, reverse_mirrored, stretches};
 pub use clip::{Channel, Clip, FactorPart, LightPart, Target, TexturePart};
 pub use exposure::Exposure;
 pub use local::{Local, Trs};
-pub(crate) use model::camera_at;
+pub use model::camera_at;
 pub use model::{
     Animation, Attachment, Joint, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight,
     MovingMaterial, MovingMember, Node, Skin,

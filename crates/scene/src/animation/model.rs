@@ -195,7 +195,7 @@ impl LightFactors {
 
 /// A camera like `like` with another transform and another angle of view in radians; `None` if it is invalid.
 #[must_use]
-pub(crate) fn camera_at(like: &Camera, world_from_camera: &Affine, field_of_view: f32) -> Option<Camera> {
+pub fn camera_at(like: &Camera, world_from_camera: &Affine, field_of_view: f32) -> Option<Camera> {
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     let camera = Camera {
         eye: single(world_from_camera.point([0.0; 3])),

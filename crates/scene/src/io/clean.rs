@@ -31,7 +31,7 @@ pub fn clean_by(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings, threads: 
 }
 
 /// Replaces normals, texture coordinates, tangents and colours that are not finite; returns their number.
-pub(crate) fn clean_attributes(mesh: &mut Mesh) -> u64 {
+pub fn clean_attributes(mesh: &mut Mesh) -> u64 {
     replace_bad(&mut mesh.normals, [0.0; 3])
         + replace_bad(&mut mesh.texcoords, [0.0; 2])
         + replace_bad(&mut mesh.tangents, [0.0; 4])
@@ -89,7 +89,7 @@ fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings, threads
 }
 
 /// Replaces values with a component that is not finite; returns their number.
-pub(crate) fn replace_bad<const N: usize>(values: &mut [[f32; N]], by: [f32; N]) -> u64 {
+pub fn replace_bad<const N: usize>(values: &mut [[f32; N]], by: [f32; N]) -> u64 {
     if are_finite(values.as_flattened()) {
         return 0;
     }

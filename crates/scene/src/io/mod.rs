@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Scene files: the table of formats, and the readers and writers of OBJ with MTL, PLY, glTF 2.0, STL and 3MF.
+//! Scene files: the table of formats, and the readers and writers of OBJ with MTL, PLY, STL and 3MF.
 //! See docs/reference/cli.md. Other crates read other formats by the parts in [`reader`].
 //! No file makes a program panic, hang, or take memory out of proportion to the file's length.
 //! Tests: `tests/{broken_files,mutations,benchmark_scenes}.rs`.
@@ -8,7 +8,6 @@ mod clean;
 mod corner_numbers;
 mod error;
 mod format;
-mod gltf;
 mod lines;
 mod loaded;
 mod obj;
@@ -38,8 +37,7 @@ pub use warnings::{Oddity, Warning, Warnings};
 use crate::scene::Scene;
 
 /// The formats of this crate. A program that reads the formats of other crates too has a table with them.
-pub const FORMATS: Formats =
-    Formats::new(&[&obj::FORMAT, &ply::FORMAT, &gltf::TEXT, &gltf::BINARY, &stl::FORMAT, &threemf::FORMAT]);
+pub const FORMATS: Formats = Formats::new(&[&obj::FORMAT, &ply::FORMAT, &stl::FORMAT, &threemf::FORMAT]);
 
 /// Loads a file of one of this crate's formats.
 ///

@@ -177,7 +177,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
 }
 
 /// The same on up to this many threads, where the file is large.
-pub(crate) fn read_by(path: &Path, threads: usize) -> Result<Vec<u8>, Error> {
+pub fn read_by(path: &Path, threads: usize) -> Result<Vec<u8>, Error> {
     let (file, length) = open(path)?;
     match read_pieces(&file, length, threads) {
         Some(bytes) => Ok(bytes),
@@ -240,7 +240,7 @@ pub fn resolve(from: &Path, name: &str) -> PathBuf {
 }
 
 /// Decodes `%20` and the like to bytes; an invalid code stays.
-pub(crate) fn percent_decode(name: &str) -> Vec<u8> {
+pub fn percent_decode(name: &str) -> Vec<u8> {
     let bytes = name.as_bytes();
     let mut decoded = Vec::with_capacity(bytes.len());
     let mut at = 0;

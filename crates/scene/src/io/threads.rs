@@ -33,7 +33,7 @@ pub(crate) fn for_each(threads: usize, count: usize, job: &(dyn Fn(usize) + Sync
 }
 
 /// Fills a list from another one of the same length, piece by piece: `job` is called with pieces that belong together.
-pub(crate) fn fill<A: Send, B: Sync>(
+pub fn fill<A: Send, B: Sync>(
     threads: usize,
     to: &mut [A],
     from: &[B],

@@ -5,7 +5,19 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use gnurt_scene::io::{Error, Loaded, load};
+use gnurt_scene::Scene;
+use gnurt_scene::io::{Error, Formats, LoadOptions, Loaded, Warnings};
+
+/// The formats of the crate, and glTF.
+pub(crate) const FORMATS: Formats = gnurt_scene::io::FORMATS.with(&[&gnurt_gltf::TEXT, &gnurt_gltf::BINARY]);
+
+pub(crate) fn load(path: impl AsRef<Path>) -> Result<Loaded, Error> {
+    FORMATS.load(path, &LoadOptions::default())
+}
+
+pub(crate) fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
+    FORMATS.save(scene, path)
+}
 
 /// Loads bytes as a file of this name in a folder of its own.
 pub(crate) fn load_named(name: &str, bytes: &[u8]) -> Result<Loaded, Error> {
