@@ -14,7 +14,7 @@ pub(crate) fn run() -> Option<u8> {
     let called = Path::new(&called).file_stem()?.to_string_lossy().into_owned();
     let name = if is_tool(&called) { called } else { command_line.next()? };
     is_tool(&name).then(|| {
-        Messages::new(Verbosity::Normal).error(&format!(
+        Messages::new(Verbosity::Normal).error(format!(
             "this program was compiled without the shading language: `cargo run --release --features osl -- {name} ...` \
              compiles it; `cargo build --release` and `cargo xtask install` have it"
         ));
