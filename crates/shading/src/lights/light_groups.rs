@@ -103,7 +103,7 @@ impl LightSet {
         estimates
     }
 
-    /// What a group brings, and its weight in even choices.
+    /// The light of a group, and its weight in even choices.
     fn estimate(&self, estimates: &Estimates, index: usize, ns: Vec3) -> (f32, f32) {
         if index == 0 {
             return (estimates.near, 1.0);
