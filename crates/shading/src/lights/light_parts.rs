@@ -130,7 +130,7 @@ impl EnvironmentLight {
     }
 
     /// The part of its light, from [`LEAST_UNEVEN`] to 1, for which directions chosen by brightness are better than scattered
-    /// rays: 0 for the same from everywhere, near 1 for a sun.
+    /// rays: the least for the same from everywhere, near 1 for a sun.
     pub(super) fn unevenness(&self) -> f32 {
         match self {
             Self::Constant(_) => LEAST_UNEVEN,
