@@ -56,8 +56,7 @@ class Surroundings:
         low, scale = code.attribute("vector", "box_low"), code.attribute("vector", "box_scale")
         at = 'vector(transform("object", P))'
         if self.moves and not code.relief:
-            code.need("bump")
-            at = code.var("vector", f"b_moved({code.attribute('vector', 'rest')}, {at})")
+            at = code.attribute("vector", "rest")
         return code.var("vector", f"({at} - {low}) * {scale}")
 
     def world_from_object(self):

@@ -391,7 +391,7 @@ def bump_of_displacement(code, tree, output):
         code.relief = code.var("vector", f"normalize({code.attribute('vector', 'rest_normal')})")
         code.line(f'N = normalize(transform("object", "world", normal({code.relief})));')
         code.line("point moved = P;")
-        code.line(f'P = b_rest(transform("object", "world", point({code.attribute("vector", "rest")})), N);')
+        code.line(f'P = transform("object", "world", point({code.attribute("vector", "rest")}));')
     else:
         code.line("N = backfacing() ? -N : N;")
         code.relief = code.var("vector", 'vector(normalize(transform("object", N)))')

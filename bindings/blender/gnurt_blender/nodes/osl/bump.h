@@ -28,22 +28,6 @@ vector b_normal_map(vector own, float strength, vector tangent, float side, vect
     float l = length(made);
     return (l > 0.0) ? made / l : smooth;
 }
-// The value without its changes.
-vector b_still(vector x)
-{
-    return vector(floor(x[0] * 1048576.0), floor(x[1] * 1048576.0), floor(x[2] * 1048576.0)) / 1048576.0;
-}
-// A value of meshes, which comes without changes, with those of another.
-vector b_moved(vector at, vector like)
-{
-    return at + (like - b_still(like));
-}
-// Where a point was before it moved. Its changes are those of P along the surface of then, whose normal is n.
-point b_rest(point at, vector n)
-{
-    vector like = vector(P) - dot(vector(P), n) * n;
-    return point(b_moved(vector(at), like));
-}
 // The normal of a surface of the normal n whose points move by offsets that change by ox and oy.
 vector b_relief(vector n, vector ox, vector oy)
 {
