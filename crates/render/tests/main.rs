@@ -8,6 +8,7 @@ mod agreement;
 mod appearance;
 mod auto;
 mod bands;
+mod beams;
 mod bumps;
 mod caustics;
 mod caustics_focus;

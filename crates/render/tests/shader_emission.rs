@@ -124,13 +124,6 @@ fn scratch(material: Material, is_up: bool) -> Scene {
     scene
 }
 
-fn world(scene: &Scene, shader: impl SurfaceShader + 'static) -> World {
-    let table = ShaderTable { surfaces: vec![Arc::new(shader)], ..ShaderTable::default() };
-    let mut world = World::new();
-    world.commit(scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
-    world
-}
-
 fn measured(world: &World, options: &RenderOptions) -> f64 {
     let view = camera([0.1, -1.5, 0.8], [0.1, 0.2, 0.0], 0.01);
     mean(&render(world, &view, options, &pool(1), &Silent).expect("sound options").picture)[0]
@@ -157,7 +150,7 @@ fn expected(is_up: bool) -> f64 {
 fn lamps_of_shaders_shine_as_they_say() {
     for is_up in [false, true] {
         let scene = scratch(Material::of("lamp", Surface::Shader(0)), is_up);
-        let world = world(&scene, Uneven);
+        let world = world_with(&scene, Uneven);
         let expected = expected(is_up);
         for integrator in ALL {
             let options = RenderOptions { integrator, max_depth: 2, vpls: 256, ..options(4, 4, 256) };
@@ -170,7 +163,7 @@ fn lamps_of_shaders_shine_as_they_say() {
 #[test]
 fn integrators_agree_on_lamps_of_shaders() {
     let scene = scratch(Material::of("lamp", Surface::Shader(0)), true);
-    let world = world(&scene, Uneven);
+    let world = world_with(&scene, Uneven);
     let by = |integrator, spp| {
         let options = RenderOptions { integrator, max_depth: 5, vpls: 128, ..options(4, 4, spp) };
         measured(&world, &options)
@@ -186,8 +179,8 @@ fn integrators_agree_on_lamps_of_shaders() {
 fn a_shader_that_glows_is_a_lamp_of_the_description() {
     let reported = Material { emission: [4.0, 2.0, 1.0], ..Material::matte("lamp", [0.0; 3]) };
     let requests = Material::of("lamp", Surface::Shader(0));
-    let [reported, requests] =
-        [reported, requests].map(|material| world(&scratch(material, false), Even(Vec3::new(4.0, 2.0, 1.0))));
+    let [reported, requests] = [reported, requests]
+        .map(|material| world_with(&scratch(material, false), Even(Vec3::new(4.0, 2.0, 1.0))));
     for integrator in ALL {
         let options = RenderOptions { integrator, max_depth: 4, vpls: 64, ..options(4, 4, 4) };
         let (expected, found) = (measured(&reported, &options), measured(&requests, &options));
@@ -206,7 +199,7 @@ fn even_lamps_shine_as_their_shaders_say() {
         ([bright * 0.25, bright], false),
     ] {
         let scene = scratch(Material::of("lamp", Surface::Shader(0)), is_up);
-        let [said, found] = [true, false].map(|says| world(&scene, Sided { sides, says }));
+        let [said, found] = [true, false].map(|says| world_with(&scene, Sided { sides, says }));
         for integrator in ALL {
             let options = RenderOptions { integrator, max_depth: 4, vpls: 64, ..options(4, 4, 64) };
             let (said, found) = (measured(&said, &options), measured(&found, &options));

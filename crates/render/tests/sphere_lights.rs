@@ -2,10 +2,9 @@
 //! Spheres that emit: closed forms, shaders, transforms, motion, mirrors, and the integrators against each other.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use glam::Vec3;
-use gnurt_render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render};
+use gnurt_render::{Integrator, RenderOptions, Silent, World, render};
 use gnurt_scene::{Affine, Material, MaterialId, Mesh, Primitives, Scene, Surface};
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{SurfaceBatch, SurfaceShader};
@@ -62,13 +61,6 @@ fn expected(radiance: impl Fn(Vec3) -> f64) -> f64 {
     0.6 / PI * sum
 }
 
-fn world(scene: &Scene, shader: impl SurfaceShader + 'static) -> World {
-    let table = ShaderTable { surfaces: vec![Arc::new(shader)], ..ShaderTable::default() };
-    let mut world = World::new();
-    world.commit(scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
-    world
-}
-
 #[test]
 fn floors_are_lit_as_the_closed_form_says() {
     let offset = Vec3::from(CENTER) - Vec3::from(SPOT);
@@ -111,7 +103,7 @@ fn shaders_say_how_spheres_shine() {
     let mut scene = floor(0.6, 10.0);
     let lamp = scene.add_material(Material::of("lamp", Surface::Shader(0)));
     put_mesh(&mut scene, ball(CENTER, RADIUS, lamp));
-    let world = world(&scene, Uneven);
+    let world = world_with(&scene, Uneven);
     let exact = expected(|normal| f64::from(1.0 - 0.9 * normal.z));
     for integrator in ALL {
         let options = RenderOptions { integrator, max_depth: 2, vpls: 256, ..options(4, 4, 64) };

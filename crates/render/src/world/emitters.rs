@@ -274,7 +274,7 @@ fn shape(
     let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
     let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
     let brightness = of.mean_over(&uv, opacity);
-    Some(shading::EmissiveShape { outline, is_turned, uv, opacity, emitter, brightness })
+    Some(shading::EmissiveShape { outline, is_turned, uv, opacity, emitter, brightness, beam: None })
 }
 
 /// A vertex in the world.

@@ -6,6 +6,7 @@
 //! Tests: crates/render/tests/{commit,edits}.rs.
 
 mod areas;
+mod beams;
 mod bend;
 mod casters;
 mod check;

@@ -95,7 +95,7 @@ impl EmitterShaders for ShaderEmission {
 
 impl ShaderEmission {
     /// Calls `with(k, radiance)` for each of the points, which have one shader.
-    fn query(
+    pub(super) fn query(
         &self,
         emitter: u32,
         emitter_points: &[(EmissionShape, EmitterPoint)],
@@ -164,7 +164,12 @@ impl ShaderEmission {
             for (i, shape) in (n * TOGETHER..).zip(pieces.lock(n).iter_mut()) {
                 let Some((emitter, back)) = side_of(i) else { continue };
                 let probes = (PROBES / sides[emitter][usize::from(back)].0).clamp(FEWEST_PROBES, MOST_PROBES);
-                shape.brightness = self.mean_of(i, shape, probes);
+                let (mean, dark) = self.mean_of(i, shape, probes);
+                shape.brightness = mean;
+                let count = sides[emitter][usize::from(back)].0;
+                if let Some((beam, mean)) = self.beam_of(i, shape, (count, dark)) {
+                    (shape.brightness, shape.beam) = (mean, Some(Arc::new(beam)));
+                }
             }
         });
         for (i, shape) in shapes.iter().enumerate() {
@@ -189,9 +194,9 @@ impl ShaderEmission {
         i > 0 && met(i) == met(i - 1)
     }
 
-    /// Mean brightness over all positions and, by their cosines, all directions.
-    fn mean_of(&self, number: usize, shape: &EmissiveShape, probes: usize) -> f32 {
-        let Some(shader_emission) = self.shapes[number] else { return 0.0 };
+    /// Mean brightness over all positions and, by their cosines, all directions; and the share of those that were dark.
+    fn mean_of(&self, number: usize, shape: &EmissiveShape, probes: usize) -> (f32, f32) {
+        let Some(shader_emission) = self.shapes[number] else { return (0.0, 1.0) };
         let probe = |i: usize| {
             let position = shape.outline.place(looking_at(i as u32));
             let normal = shape.outline.normal_at(position);
@@ -201,10 +206,14 @@ impl ShaderEmission {
             (shader_emission, EmitterPoint { shape: number as u32, position, dir, distance: 1.0 })
         };
         let emitter_points: Vec<_> = (0..probes).map(probe).collect();
-        let mut sum = 0.0;
-        self.query(shader_emission.emitter, &emitter_points, |_, radiance| sum += luminance(radiance.into()));
+        let (mut sum, mut dark) = (0.0, 0_u16);
+        self.query(shader_emission.emitter, &emitter_points, |_, radiance| {
+            let bright = luminance(radiance.into());
+            sum += bright;
+            dark += u16::from(bright <= 0.0);
+        });
         let mean = sum / probes as f32;
-        if mean.is_finite() { mean } else { 0.0 }
+        (if mean.is_finite() { mean } else { 0.0 }, f32::from(dark) / probes as f32)
     }
 }
 

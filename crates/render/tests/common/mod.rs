@@ -5,10 +5,13 @@
 pub mod chains;
 mod divided;
 
+use std::sync::Arc;
+
 pub use divided::*;
 use gnurt_image::Picture;
 use gnurt_render::{CommitOptions, Frame, RenderOptions, SceneCamera, ShaderTable, Silent, World, render};
 use gnurt_scene::{Affine, Camera, Light, Material, MaterialId, Mesh, Scene};
+use gnurt_shading::SurfaceShader;
 
 /// A pool of this many threads.
 pub fn pool(threads: usize) -> rayon::ThreadPool {
@@ -110,6 +113,14 @@ pub fn world_of(scene: &Scene, force_diffuse: bool) -> World {
     let mut world = World::new();
     let options = CommitOptions { force_diffuse, ..CommitOptions::default() };
     world.commit(scene, &ShaderTable::default(), &options, &pool(2)).expect("the scene is sound");
+    world
+}
+
+/// The world of a scene whose surface shader 0 this is.
+pub fn world_with(scene: &Scene, shader: impl SurfaceShader + 'static) -> World {
+    let table = ShaderTable { surfaces: vec![Arc::new(shader)], ..ShaderTable::default() };
+    let mut world = World::new();
+    world.commit(scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
     world
 }
 

@@ -15,7 +15,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
+use super::beam::Beam;
 use super::light_estimates::Aim;
+use super::light_tree::LightBounds;
 use super::shape::{Outline, Shape};
 use crate::batch::Vec3s;
 use crate::materials::{Coverage, Emission};
@@ -150,6 +152,8 @@ pub struct EmissiveShape {
     pub emitter: u32,
     /// Mean brightness, the weight of its choice.
     pub brightness: f32,
+    /// Where its light goes, if that is to some directions alone.
+    pub beam: Option<Arc<Beam>>,
 }
 
 /// One light of many shapes.
@@ -220,6 +224,26 @@ impl ShapeLights {
         self.all.is_empty()
     }
 
+    /// Approximate unoccluded contribution of a shape to a surface at `p` of the unit `normal`; without a horizon if that is zero.
+    pub(super) fn contribution(&self, index: usize, p: Vec3, normal: Vec3) -> f32 {
+        let shape = &self.shapes[index];
+        let even = shape.contribution(p, normal);
+        self.all[index].beam.as_ref().map_or(even, |beam| even * beam.share(shape.seen().cells(p.into())))
+    }
+
+    /// The beams of shapes, by shape; empty if none has one.
+    pub(super) fn beams(&self) -> Vec<Option<Arc<Beam>>> {
+        if self.all.iter().all(|shape| shape.beam.is_none()) {
+            return Vec::new();
+        }
+        self.all.iter().map(|shape| shape.beam.clone()).collect()
+    }
+
+    /// Bounds of all shapes.
+    pub(super) fn bounds(&self) -> impl Iterator<Item = LightBounds> {
+        self.shapes.iter().zip(&self.all).map(|(shape, of)| shape.bounds(of.beam.as_deref()))
+    }
+
     /// Chooses among candidates in proportion to their contribution.
     ///
     /// Candidate k lies at `(k + random[0]) / CANDIDATES` of all power, so that candidates are spread over the lights.
@@ -232,7 +256,7 @@ impl ShapeLights {
         for (k, (candidate, weight)) in candidates.iter_mut().zip(&mut weights).enumerate() {
             let at = (k as f64 + f64::from(random[0])) / CANDIDATES as f64;
             let choice = self.distribution.sample(at);
-            let contribution = self.shapes[choice.index].contribution(p, normal);
+            let contribution = self.contribution(choice.index, p, normal);
             *candidate = (choice.index, contribution, choice.rest);
             *weight = f64::from(contribution) / f64::from(choice.probability);
         }
@@ -386,6 +410,7 @@ mod tests {
             opacity: [1.0; 3],
             emitter: 0,
             brightness: 2.0,
+            beam: None,
         });
         let emission = Emission::constant(Vec3::new(1.0, 2.0, 3.0));
         ShapeLights::new(triangles.into(), vec![Arc::new(Emitter::new(emission, None))], None)
@@ -461,6 +486,7 @@ mod tests {
             opacity: [1.0; 3],
             emitter: (i % 2 + i % 3) as u32,
             brightness: BRIGHTNESS[i % 2 + i % 3],
+            beam: None,
         };
         let emitters = BRIGHTNESS.map(|x| emit(Vec3::splat(x)));
         ShapeLights::new(corners.iter().enumerate().map(triangle).collect(), emitters.into(), None)
@@ -512,6 +538,7 @@ mod tests {
             opacity: [1.0; 3],
             emitter: 0,
             brightness: 1.0,
+            beam: None,
         };
         assert!(ShapeLights::new(vec![flat], vec![emitter], None).is_none(), "no area, no light");
     }

@@ -10,7 +10,10 @@
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
+use std::sync::Arc;
+
 use super::area::EmitterPoint;
+use super::beam::Beam;
 use super::light_estimates::{Aim, GroupBounds};
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
@@ -92,6 +95,8 @@ pub(super) struct LightLanes {
     shapes: Vec<Row>,
     /// By shape: whether its radiance depends on the position. Empty if none does.
     uneven: Vec<bool>,
+    /// By shape: where its light goes. Empty if all go everywhere.
+    beams: Vec<Option<Arc<Beam>>>,
 }
 
 /// Where a walk ends.
@@ -112,8 +117,9 @@ impl LightLanes {
         if tree.is_empty() || !parts.points.is_empty() || !parts.spots.is_empty() {
             return None;
         }
+        let beams = lights.beams();
         let mut lanes =
-            Self { nodes: Vec::new(), blocks: Vec::new(), shapes: Vec::new(), uneven: Vec::new() };
+            Self { nodes: Vec::new(), blocks: Vec::new(), shapes: Vec::new(), uneven: Vec::new(), beams };
         for (at, node) in tree.nodes.iter().enumerate() {
             let (kind, leaves) = if node.lights > 0 {
                 (SINGLE, vec![node])
@@ -306,7 +312,11 @@ impl LightLanes {
                     for (x, row) in shape.iter_mut().zip(&block.shape) {
                         *x = f32x16::splat(simd, row.0[k]);
                     }
-                    *contribution = shape_at(&shape, shape[13]).contribution(p, normal);
+                    let shape = shape_at(&shape, shape[13]);
+                    *contribution = shape.contribution(p, normal);
+                    if let Some(beam) = self.beam(block.lights[k]) {
+                        *contribution *= beam.share(shape.cells(p));
+                    }
                 }
             }
             return contributions;
@@ -318,10 +328,23 @@ impl LightLanes {
             for (x, row) in shape.iter_mut().zip(rows) {
                 *x = f32x16::from_slice(simd, &row.0);
             }
-            contributions[i] =
-                shape_at(&shape, shape[13]).contribution(p.spread(i), normal.map(|normal| normal.spread(i)));
+            let (shape, p) = (shape_at(&shape, shape[13]), p.spread(i));
+            contributions[i] = shape.contribution(p, normal.map(|normal| normal.spread(i)));
+            if !self.beams.is_empty() {
+                let (cells, lights) = (shape.cells(p), &self.blocks[block[i] as usize].lights);
+                for (k, &light) in lights.iter().enumerate() {
+                    let Some(beam) = self.beam(light) else { continue };
+                    let [a, b, c, d] = [cells[0][k], cells[1][k], cells[2][k], cells[3][k]];
+                    contributions[i][k] *= beam.share([a, b, c, d]);
+                }
+            }
         }
         transpose(contributions)
+    }
+
+    #[inline(always)]
+    fn beam(&self, light: u32) -> Option<&Beam> {
+        self.beams.get(light as usize)?.as_deref()
     }
 }
 

@@ -287,9 +287,9 @@ impl LightSet {
             if contribution.is_finite() { contribution } else { 0.0 }
         };
         if let Some(lights) = &self.parts.shapes
-            && let Some(shape) = lights.shapes.get(light as usize)
+            && (light as usize) < lights.len()
         {
-            return shape.contribution(p, ns);
+            return lights.contribution(light as usize, p, ns);
         }
         match self.kind(LightId(light)) {
             LightKind::Point(i) => {
@@ -327,7 +327,7 @@ fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
         cos_emission: 0.0,
         power: luminance(intensity.into()),
     };
-    let shapes = parts.shapes.iter().flat_map(|lights| lights.shapes.iter().map(Shape::bounds));
+    let shapes = parts.shapes.iter().flat_map(|lights| lights.bounds());
     let points = parts.points.iter().map(|light| at(light.position, light.intensity));
     let spots = parts.spots.iter().map(|light| LightBounds {
         axis: light.axis,

@@ -27,12 +27,28 @@ fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<ShapeLights>
 }
 
 fn shapes(outlines: impl Iterator<Item = Outline>, radiance: &[f32]) -> Option<Arc<ShapeLights>> {
+    beams(outlines, radiance, |_| None)
+}
+
+/// A beam around a direction for every shape that has one.
+fn beams(
+    outlines: impl Iterator<Item = Outline>,
+    radiance: &[f32],
+    axis: impl Fn(usize) -> Option<Vec3>,
+) -> Option<Arc<ShapeLights>> {
+    let beam = |outline: &Outline, axis: Vec3| {
+        let bright = |dir: Vec3| (dir.dot(axis) - 0.7).max(0.0);
+        let normal = matches!(outline, Outline::Triangle(_)).then(|| outline.normal_at([0.0; 2]));
+        let bright: Vec<f32> = Beam::directions().map(bright).collect();
+        Some(Arc::new(Beam::new(&bright, normal.map(|normal| (normal, 0.1)))?.0))
+    };
     let emitter = |&x: &f32| {
         let emission = Emission::constant(Vec3::new(x, 2.0 * x, 3.0 * x));
         Arc::new(Emitter::new(emission, None))
     };
     let emitters: Vec<_> = radiance.iter().map(emitter).collect();
     let list = outlines.enumerate().map(|(i, outline)| EmissiveShape {
+        beam: axis(i).and_then(|axis| beam(&outline, axis)),
         is_turned: false,
         opacity: [1.0; 3],
         outline,
@@ -487,6 +503,18 @@ fn lanes_choose_as_points_do() {
         };
         set(LightParts { shapes: shapes((0..n).map(outline), &[1.0, 5.0, 20.0]), ..LightParts::default() })
     };
+    // Some of them with beams.
+    let beamed = |n: usize| {
+        let outline = |i: usize| match emissive_triangle(i) {
+            [center, ..] if i.is_multiple_of(3) => Outline::Sphere { center, radius: 0.1 },
+            p => Outline::Triangle(p),
+        };
+        let axis = |i: usize| (i % 4 < 2).then(|| Vec3::new(0.5 - (i % 2) as f32, 0.4, -0.6).normalize());
+        set(LightParts {
+            shapes: beams((0..n).map(outline), &[1.0, 5.0, 20.0], axis),
+            ..LightParts::default()
+        })
+    };
     let with_sky = set(LightParts {
         shapes: emissive_triangles(30),
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
@@ -506,6 +534,9 @@ fn lanes_choose_as_points_do() {
         mixed(40, 1),
         mixed(9, 2),
         mixed(90, 3),
+        beamed(3),
+        beamed(9),
+        beamed(80),
     ];
     for (which, lights) in sets.iter().enumerate() {
         let (mut lit, mut dark) = (0, 0);

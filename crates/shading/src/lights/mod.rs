@@ -3,6 +3,7 @@
 //! Source: see each file. One light, one file.
 
 mod area;
+mod beam;
 mod environment;
 mod lamp_points;
 mod light_emission;
@@ -22,6 +23,7 @@ mod sphere;
 mod spherical;
 
 pub use area::{EmissiveShape, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, ShapeLights, looking_at};
+pub use beam::Beam;
 pub use environment::{ConstantEnvironment, PictureEnvironment};
 pub use lamp_points::{LampPoint, Place};
 pub use light_emission::LightRay;

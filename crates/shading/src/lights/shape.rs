@@ -9,6 +9,7 @@ use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
 
+use super::beam::{Beam, cell};
 use super::light_estimates::{Aim, TriangleAt};
 use super::light_tree::LightBounds;
 use super::sphere::SphereAt;
@@ -150,19 +151,24 @@ impl Shape {
         if self.extent < 0.0 { 4.0 * of_intensity } else { of_intensity }
     }
 
-    pub(super) fn bounds(&self) -> LightBounds {
+    pub(super) fn bounds(&self, beam: Option<&Beam>) -> LightBounds {
         let Self { p: [a, b, c], normal, extent, power } = *self;
         // Spheres face all sides.
         let (size, axis, cos_normals) =
             if extent < 0.0 { (-extent, Vec3::Z, -1.0) } else { (0.0, normal, 1.0) };
-        LightBounds {
+        let bounds = LightBounds {
             min: a.min(b).min(c) - size,
             max: a.max(b).max(c) + size,
             axis,
             cos_normals,
             cos_emission: 0.0,
             power,
-        }
+        };
+        // As if all its light left along normals within the cone.
+        beam.map_or(bounds, |beam| {
+            let (axis, cos_normals) = beam.cone();
+            LightBounds { axis, cos_normals, cos_emission: 1.0, power: power * beam.peak(), ..bounds }
+        })
     }
 
     /// A place by two numbers in [0, 1), uniform by area.
@@ -225,6 +231,14 @@ impl<R: Real> ShapeAt<R> {
             return of_triangle;
         }
         R::pick(spheres, self.sphere().contribution(p, normal), of_triangle)
+    }
+
+    /// The cells of a [`Beam`] in which its corners and its middle see `p`.
+    #[inline(always)]
+    pub(super) fn cells(&self, p: Vector<R>) -> [R; 4] {
+        let [a, b, c] = self.corners;
+        let middle = (a + b + c).over(p.x.all(3.0));
+        [cell(p - a), cell(p - b), cell(p - c), cell(p - middle)]
     }
 
     /// A point of it for two numbers in [0, 1), seen from `p`, for the points in `there`: of spheres and of near, large triangles
