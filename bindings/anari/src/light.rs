@@ -119,7 +119,11 @@ pub(crate) fn light(object: &Object, to_world: &Affine, material: MaterialId) ->
                 now.f32("radiance").map(|radiance| radiance * PI * half.sin().powi(2)).filter(|_| half > 0.0);
             let irradiance = disc.unwrap_or_else(|| now.f32("irradiance").unwrap_or(1.0)).max(0.0);
             let direction = read.direction("direction", [0.0, 0.0, -1.0])?.to_array();
-            Made::Small(Light::Directional { direction, irradiance: (read.color() * irradiance).to_array() })
+            Made::Small(Light::Directional {
+                direction,
+                irradiance: (read.color() * irradiance).to_array(),
+                angle: 2.0 * half,
+            })
         }
         "point" => ball(&read, material),
         "spot" => {

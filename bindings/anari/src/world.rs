@@ -148,9 +148,6 @@ impl Builder<'_> {
             self.volume(&volume, (to_world, from_world), id);
         }
         for object in list(now, "light") {
-            if object.committed().f32("angularDiameter").is_some_and(|angle| angle > 0.0) {
-                (self.report)(&object, "parameter 'angularDiameter': shadows are sharp all the same");
-            }
             if motion.is_some() {
                 (self.report)(
                     &object,

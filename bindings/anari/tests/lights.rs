@@ -21,6 +21,13 @@ fn directional_light_follows_lambert() {
     for (direction, cos) in
         [([0.0, 0.0, -2.0], 1.0), ([0.0, -1.0, -1.0], 0.5_f32.sqrt()), ([0.0, 0.0, 1.0], 0.0)]
     {
+        // Of a disc as well, if all of it is above the horizon.
+        let disc = floor(
+            "directional",
+            &[("direction", &direction), ("irradiance", &[3.0]), ("angularDiameter", &[0.2])],
+        );
+        assert_close(disc.mean([16, 16])[0], 3.0 * cos / PI, 1e-2, "a disc");
+        disc.assert_quiet();
         let set = floor(
             "directional",
             &[("direction", &direction), ("irradiance", &[3.0]), ("color", &[1.0, 0.5, 0.25])],

@@ -79,10 +79,6 @@ fn what_the_device_cannot_do_is_named() {
     let list = client.floats(t::FLOAT32, &[0.0]);
     client.give(geometry, "motion.vertex.position", t::ARRAY1D, list);
     assert_says(&client, 3, &["'motion.vertex.position'", "unsupported"]);
-    let mut set = Set::new("default");
-    set.light("directional", &[("angularDiameter", &[0.1])]);
-    let _ = set.mean([2, 2]);
-    assert_says(&set.client, 3, &["light 'directional'", "'angularDiameter'", "sharp"]);
 }
 
 #[test]

@@ -17,7 +17,7 @@ from .nodes.tree import fed_by
 MOST_TOGETHER = 48
 # Narrow areas that are sampled one by one.
 MOST_SAMPLED = 16
-# Of a sun from the origin where media see it, world units.
+# Of a sun's disc from the origin, world units.
 FAR = 1e5
 
 # Numbers of each of them.
@@ -76,16 +76,6 @@ light blender_points (float given[TOTAL] = {0})
             Cl *= (c <= 0.0) ? 0.0 : ((smooth > 0.0) ? smoothstep(0.0, 1.0, c / smooth) : 1.0);
         }
     }
-}
-"""
-SUN = """
-light blender_sun (color power = 1, vector from = vector(0, 0, 1), vector side = vector(1, 0, 0), vector across = vector(0, 1, 0), float radius = 0)
-{
-    // A cone of even radiance, by its projection onto the plane of `side` and `across`.
-    float r = radius * sqrt(xi[0]), a = M_2PI * xi[1], z = sqrt(max(1.0 - r * r, 1e-4));
-    L = z * from + r * cos(a) * side + r * sin(a) * across;
-    lightdist = 1e30;
-    Cl = power / z;
 }
 """
 NARROW = """
@@ -252,21 +242,21 @@ class Lamp:
             self.export.warn(f"light '{self.object.name}': nodes of suns are not shown")
         if radius > 0 and not getattr(self.data, "normalize", True):
             color = color * math.pi * radius * radius
-        if self.is_shape:
-            self.disc(color, radius)
+        if links.are_there(self.object):
+            self.disc(color, max(radius, 1e-4), False)
             return
-        parameters = {"power": tuple(color), "from": tuple(self.turn[:, 2]), "side": tuple(self.turn[:, 0]), "across": tuple(self.turn[:, 1]), "radius": radius}
-        self.export.scene.add_light_shader(SUN, parameters=parameters)
+        angle = math.degrees(min(self.data.angle, math.pi))
+        self.export.scene.add_light("directional", direction=tuple(-self.turn[:, 2]), irradiance=tuple(color), angle=angle)
+        if self.is_shape and radius > 1e-4:
+            self.disc(color, radius, True)
 
-    def disc(self, color, radius):
-        """A sun that media see: a disc far away, or parallel light."""
-        if radius < 1e-4 and not links.are_there(self.object):
-            self.export.scene.add_light("directional", direction=tuple(-self.turn[:, 2]), irradiance=tuple(color))
-            return
-        radius = max(radius, 1e-4)
-        points, faces, _ = flat_shape("ELLIPSE", 2 * FAR * math.tan(math.asin(radius)), 2 * FAR * math.tan(math.asin(radius)))
+    def disc(self, color, radius, is_mirrored):
+        """A sun as a disc far away: one that lights some objects alone, or for mirrors."""
+        size = 2 * FAR * math.tan(math.asin(min(radius, 0.999)))
+        points, faces, _ = flat_shape("ELLIPSE", size, size)
         points = points @ self.turn.T + FAR * self.turn[:, 2]
-        self.shape(partial(self.export.scene.add_mesh, points, faces), color / (math.pi * radius * radius), {}, given=["other"])
+        light = color / (math.pi * radius * radius)
+        self.shape(partial(self.export.scene.add_mesh, points, faces), light, {}, is_mirrored, given=["other"])
 
     def area(self):
         data = self.data

@@ -227,6 +227,7 @@ pub(crate) fn light(kind: &str, given: &mut Given, pictures: &dyn Pictures) -> P
         "directional" => Light::Directional {
             direction: direction(given)?,
             irradiance: given.color("irradiance")?.unwrap_or([1.0; 3]),
+            angle: given.number("angle", 0.0, 180.0)?.unwrap_or(0.0).to_radians() as f32,
         },
         "environment" => {
             let up = given.numbers("up")?.unwrap_or([0.0, 1.0, 0.0]);

@@ -63,8 +63,11 @@ pub(crate) fn set(stage: &mut Stage, number: usize, made: Made) -> PyResult<()> 
     let (first, sun) = (lights.next(), lights.next());
     let placement = stage.suns.get(&number).copied();
     // Others keep their numbers: a sun that is gone is dark.
-    let sun =
-        sun.or(placement.map(|_| Light::Directional { direction: [0.0, -1.0, 0.0], irradiance: [0.0; 3] }));
+    let sun = sun.or(placement.map(|_| Light::Directional {
+        direction: [0.0, -1.0, 0.0],
+        irradiance: [0.0; 3],
+        angle: 0.0,
+    }));
     if let (Some(_), None) = (&sun, placement) {
         stage.suns.insert(number, count as u32);
     }

@@ -63,7 +63,7 @@ def full(folder):
     scene.add_points(random.random((5, 3)) * (3, 0.2, 1), random.random(5) * 0.1, colors=random.random((5, 4)))
     scene.add_light("point", position=(0, 3, 2), intensity=4)
     scene.add_light("spot", position=(2, 3, 2), direction=(0, -1, -0.5), intensity=(5, 3, 1))
-    scene.add_light("directional", direction=(0.1, -1, -0.3), irradiance=0.3)
+    scene.add_light("directional", direction=(0.1, -1, -0.3), irradiance=0.3, angle=2)
     scene.add_light("environment", texture=colors, radiance=0.4, turn=30)
     scene.add_light_shader(LAMP, parameters={"power": (0.1, 0.2, 0.3)})
     scene.set("lights.0.group=key")

@@ -299,7 +299,8 @@ fn cameras_and_lights() {
     assert_eq!(parallel.projection, Projection::Orthographic { height: 2.0 }, "twice ymag");
     assert_eq!((camera.eye, camera.target), ([1.0, 2.0, 3.0], [1.0, 2.0, 2.0]), "it looks along -z");
     assert!((camera.fov_y - 90.0).abs() < 1e-3, "degrees: {}", camera.fov_y);
-    let expected = Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0, 1.0, 0.0] };
+    let expected =
+        Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0, 1.0, 0.0], angle: 0.0 };
     assert_eq!(scene.lights(), [expected], "colour times intensity");
 }
 

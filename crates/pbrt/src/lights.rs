@@ -135,6 +135,7 @@ impl Reading<'_> {
                 Light::Directional {
                     direction: self.towards(parameters)?,
                     irradiance: times(color, self.scale(parameters)? * illuminance),
+                    angle: 0.0,
                 }
             }
             "infinite" => return self.infinite(parameters, warnings).map(Found::Infinite),

@@ -189,7 +189,11 @@ fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>>
             });
         }
         "directional" => {
-            _ = scene.add_light(Light::Directional { direction: [-0.3, -0.4, -up], irradiance: [2.0; 3] });
+            _ = scene.add_light(Light::Directional {
+                direction: [-0.3, -0.4, -up],
+                irradiance: [2.0; 3],
+                angle: 0.0,
+            });
         }
         "environment" => _ = scene.add_light(environment([0.8; 3])),
         "environment picture" => {
@@ -377,7 +381,11 @@ fn lights_behind_rough_glass_shine_through() {
         let lights = [
             ("point", Light::Point { position: position.into(), intensity: [3.0; 3] }, 3.0 / distance2),
             ("spot", spot(position), 3.0 / distance2),
-            ("directional", Light::Directional { direction: (-dir).into(), irradiance: [2.0; 3] }, 2.0),
+            (
+                "directional",
+                Light::Directional { direction: (-dir).into(), irradiance: [2.0; 3], angle: 0.0 },
+                2.0,
+            ),
         ];
         for integrator in ALL {
             let surface = Surface::RoughDielectric {
@@ -488,7 +496,7 @@ fn no_light_leaks_through_normal_maps() {
         let material = material(&mut scene, "plastic under a normal map");
         sheet(&mut scene, material);
         // Above the map's normal, which leans by 40 degrees to +x, and below the sheet.
-        scene.add_light(Light::Directional { direction: [-1.0, 0.2, 0.3], irradiance: [2.0; 3] });
+        scene.add_light(Light::Directional { direction: [-1.0, 0.2, 0.3], irradiance: [2.0; 3], angle: 0.0 });
         scene.add_light(Light::Point { position: [2.0, -0.4, -0.6], intensity: [9.0; 3] });
         assert_eq!(
             direct(&scene, Vec::new(), integrator),

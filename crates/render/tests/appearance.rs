@@ -40,7 +40,7 @@ fn normal_maps_turn_the_shading_normal() {
             ior: 1.0,
             normal_texture: Some(NormalMap { texture: TextureRef::new(map), scale: 1.0 }),
         };
-        scene.add_light(Light::Directional { direction, irradiance: [PI as f32; 3] });
+        scene.add_light(Light::Directional { direction, irradiance: [PI as f32; 3], angle: 0.0 });
         radiance_at(&scene, [0.1, 0.1, 5.0], [0.1, 0.1, 0.0], 1)[0]
     };
     assert_close(lit_from([0.0, 0.0, -1.0]), 0.5 * 0.8, 1e-2, "from above: the cosine of the map's normal");
@@ -66,7 +66,7 @@ fn lean(texel: [f32; 4], uv_from_mesh: [f32; 6], edit: impl Fn(&mut Scene)) -> [
             }),
         };
         edit(&mut scene);
-        scene.add_light(Light::Directional { direction, irradiance: [PI as f32; 3] });
+        scene.add_light(Light::Directional { direction, irradiance: [PI as f32; 3], angle: 0.0 });
         radiance_at(&scene, [0.1, 0.1, 5.0], [0.1, 0.1, 0.0], 1)[0]
     };
     let towards = |x: f32, y: f32| lit_from([-x, -y, -0.8]);

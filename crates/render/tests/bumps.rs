@@ -25,7 +25,7 @@ fn slopes_face_the_light() {
     let lit_from = |direction| {
         // Rises by 3 / 4 towards +u, which is +x on the floor: its normal is (-0.6, 0, 0.8).
         let mut scene = bumpy(3.0, |x, _| 0.25 * x as f32);
-        scene.add_light(Light::Directional { direction, irradiance: [PI as f32; 3] });
+        scene.add_light(Light::Directional { direction, irradiance: [PI as f32; 3], angle: 0.0 });
         radiance_at(&scene, [0.1, 0.1, 5.0], [0.1, 0.1, 0.0], 1)[0]
     };
     assert_close(lit_from([0.0, 0.0, -1.0]), 0.5 * 0.8, 1e-2, "from above");

@@ -56,7 +56,7 @@ fn plane_mirrors_show_lamps_once_more() {
                 inner_angle: 0.4,
                 outer_angle: 0.5,
             },
-            _ => Light::Directional { direction: [0.6, 0.0, -0.8], irradiance: [2.0; 3] },
+            _ => Light::Directional { direction: [0.6, 0.0, -0.8], irradiance: [2.0; 3], angle: 0.0 },
         };
         scene.add_light(light);
         let world = world_of(&scene, false);
@@ -151,7 +151,7 @@ fn the_sun_through_a_window_counts_once() {
     let mut scene = floor(ALBEDO, 20.0);
     let glass = glass(&mut scene, 1.5, Interior::default());
     slab(&mut scene, glass);
-    scene.add_light(Light::Directional { direction: [0.6, 0.0, -0.8], irradiance: [2.0; 3] });
+    scene.add_light(Light::Directional { direction: [0.6, 0.0, -0.8], irradiance: [2.0; 3], angle: 0.0 });
     let world = world_of(&scene, false);
     let [off, on] = [Caustics::Off, Caustics::On].map(|caustics| measured(&world, &with(16, 4, caustics)));
     assert_close(off, f64::from(ALBEDO) / PI * 1.6 * face(0.6, 1.5).powi(2), 1e-3, "by light samples");

@@ -44,7 +44,11 @@ fn all(edit: impl Fn(&mut Scene, Mesh)) -> Vec<(String, Scene, bool)> {
 fn normals_are_those_of_tubes() {
     for (name, scene, is_flat) in all(|scene, mesh| {
         put_mesh(scene, mesh);
-        scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [PI as f32; 3] });
+        scene.add_light(Light::Directional {
+            direction: [0.0, 0.0, -1.0],
+            irradiance: [PI as f32; 3],
+            angle: 0.0,
+        });
     }) {
         for y in [0.0, 0.6, -0.8] {
             let found = radiance_at(&scene, [0.0, y, 5.0], [0.0, y, 0.0], 1)[0];

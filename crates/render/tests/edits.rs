@@ -167,7 +167,7 @@ fn any_light(random: &mut Random) -> Light {
     match random.below(6) {
         0 => Light::Point { position, intensity: [4.0; 3] },
         1 => Light::Spot { position, direction, intensity: [9.0; 3], inner_angle, outer_angle },
-        2 => Light::Directional { direction, irradiance: [0.7; 3] },
+        2 => Light::Directional { direction, irradiance: [0.7; 3], angle: 0.0 },
         3 => environment([0.3 * random.below(3) as f32; 3]),
         _ => {
             let mut world_from_light = Affine::IDENTITY;

@@ -148,7 +148,11 @@ fn bumps_too_fine_to_be_seen_make_metal_rougher() {
     let bumps =
         Arc::new(Texels { width: 64, height: 64, data: TexelData::Float((0..64 * 64).map(texel).collect()) });
     let mut scene = floor(0.5, 5.0);
-    scene.add_light(Light::Directional { direction: [0.0, -0.287_35, -0.957_83], irradiance: [1.0; 3] });
+    scene.add_light(Light::Directional {
+        direction: [0.0, -0.287_35, -0.957_83],
+        irradiance: [1.0; 3],
+        angle: 0.0,
+    });
     let metal = |weigh| shading::MetallicRoughness {
         base_color: shading::TexturedColor::constant(Vec3::ONE),
         metallic: 1.0,

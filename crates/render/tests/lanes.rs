@@ -133,7 +133,7 @@ fn scratch(lit: Lit) -> (World, SceneCamera) {
             let position = [i as f32 - 5.0, -3.0, 1.0 + 0.4 * i as f32];
             scene.add_light(Light::Point { position, intensity: [3.0, 2.0, 1.0] });
         }
-        scene.add_light(Light::Directional { direction: [0.3, 0.4, -1.0], irradiance: [0.5; 3] });
+        scene.add_light(Light::Directional { direction: [0.3, 0.4, -1.0], irradiance: [0.5; 3], angle: 0.0 });
     } else {
         let area_light = material(&mut scene, [0.1; 3], false, [9.0, 8.0, 7.0]);
         put_mesh(&mut scene, quad([-1.0, -1.0, 6.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], area_light));

@@ -94,7 +94,11 @@ fn room_of(with_fog: bool, catches: bool, with_glass: bool) -> (World, SceneCame
         inner_angle: 0.3,
         outer_angle: 0.6,
     });
-    scene.add_light(Light::Directional { direction: [0.3, 0.5, -1.0], irradiance: [0.4, 0.4, 0.3] });
+    scene.add_light(Light::Directional {
+        direction: [0.3, 0.5, -1.0],
+        irradiance: [0.4, 0.4, 0.3],
+        angle: 0.0,
+    });
     let sky = scene.add_light(environment([0.2, 0.3, 0.5]));
     if with_fog {
         let medium = Medium {

@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 
 use crate::common::*;
+use gnurt_render::{Integrator, RenderOptions, Silent, render};
 use gnurt_scene::{Affine, Light, Material, Scene, Surface};
 
 const EYE: [f32; 3] = [0.5, -2.0, 3.0];
@@ -62,8 +63,40 @@ fn spot_light() {
 
 #[test]
 fn directional_light() {
-    let found = floor_under(Light::Directional { direction: [3.0, 0.0, -4.0], irradiance: [2.0; 3] });
+    let found =
+        floor_under(Light::Directional { direction: [3.0, 0.0, -4.0], irradiance: [2.0; 3], angle: 0.0 });
     assert_close(found, ALBEDO / PI * 2.0 * 0.8, 1e-4, "E cos");
+}
+
+/// The half shadow of a sun of 40 degrees behind an edge at height 1, against the part of the disc that a point sees.
+#[test]
+fn suns_have_half_shadows() {
+    let (angle, sin_half) = (40.0_f32.to_radians(), f64::from(20.0_f32.to_radians().sin()));
+    let mut scene = floor(ALBEDO as f32, 10.0);
+    let black = matte(&mut scene, [0.0; 3]);
+    put_mesh(&mut scene, quad([-10.0, -10.0, 1.0], [20.0, 0.0, 0.0], [0.0, 10.0, 0.0], black));
+    scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0; 3], angle });
+    let world = world_of(&scene, false);
+    for y in [-0.3_f32, -0.1, 0.0, 0.2, 0.4] {
+        const N: usize = 400;
+        let at = |k: usize| sin_half * ((2 * k + 1) as f64 / N as f64 - 1.0);
+        let (mut seen, mut all) = (0.0, 0.0);
+        for (a, b) in (0..N).flat_map(|i| (0..N).map(move |j| (at(i), at(j)))) {
+            let square = a * a + b * b;
+            let is_seen = f64::from(y) + b / (1.0 - square).sqrt() > 0.0;
+            all += f64::from(u8::from(square < sin_half * sin_half));
+            seen += f64::from(u8::from(square < sin_half * sin_half && is_seen));
+        }
+        let exact = ALBEDO / PI * 2.0 * seen / all;
+        let view = camera([0.5, y + 3.0, 0.7], [0.0, y, 0.0], 0.01);
+        for integrator in [Integrator::Whitted, Integrator::Path, Integrator::InstantRadiosity] {
+            let options = RenderOptions { integrator, max_depth: 2, vpls: 256, ..options(16, 16, 64) };
+            let found =
+                mean(&render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture);
+            let off = (found[0] - exact).abs();
+            assert!(off < 0.01 * ALBEDO / PI * 2.0, "{integrator} at {y}: {} instead of {exact}", found[0]);
+        }
+    }
 }
 
 /// Irradiance from a rectangle parallel to the floor, above one of whose corners it lies at height 1.
@@ -142,7 +175,7 @@ fn instances_share_an_object_and_shine_alone() {
 fn glass_lets_light_through_and_holes_too() {
     let lit = |material: Option<Material>| {
         let mut scene = floor(ALBEDO as f32, 10.0);
-        scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
+        scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3], angle: 0.0 });
         if let Some(material) = material {
             let material = scene.add_material(material);
             for z in [1.0, 1.5] {

@@ -19,7 +19,11 @@ fn surfaces_do_not_shade_themselves() {
             let edge = 40.0 * scale;
             put_mesh(&mut scene, quad(at([-20.0, -20.0, 0.0]), [edge, 0.0, 0.0], [0.0, edge, 0.0], white));
             let irradiance = std::f32::consts::PI;
-            scene.add_light(Light::Directional { direction: [0.3, 0.2, -0.01], irradiance: [irradiance; 3] });
+            scene.add_light(Light::Directional {
+                direction: [0.3, 0.2, -0.01],
+                irradiance: [irradiance; 3],
+                angle: 0.0,
+            });
             let view = camera(at([0.0, -6.0, 2.0]), at([0.0, 0.0, 0.0]), 40.0);
             let cos = 0.01 / (0.09_f64 + 0.04 + 0.0001).sqrt();
             let picture = frame(&scene, &view, &options(48, 32, 1)).picture;

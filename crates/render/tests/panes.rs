@@ -75,7 +75,7 @@ fn the_sun_shines_through_windows() {
         for k in 0..panes {
             pane(&mut scene, 0.5 + k as f32, 0.7 + k as f32, glass);
         }
-        scene.add_light(Light::Directional { direction: [0.6, 0.0, -0.8], irradiance: [2.0; 3] });
+        scene.add_light(Light::Directional { direction: [0.6, 0.0, -0.8], irradiance: [2.0; 3], angle: 0.0 });
         let world = world_of(&scene, false);
         let left = f64::from(color).powf(0.2 / inside / distance);
         let one = (once * f64::from(TINT)).powi(2) * left;
@@ -122,7 +122,7 @@ fn the_sun_shines_through_panes_with_holes() {
     let [pane, veil] = [pane, veil].map(|material| scene.add_material(material));
     faces(0.5, 0.8, 20.0, pane).into_iter().for_each(|mesh| put_mesh(&mut scene, mesh));
     put_mesh(&mut scene, quad([-20.0, -20.0, 0.65], [40.0, 0.0, 0.0], [0.0, 40.0, 0.0], veil));
-    scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0; 3] });
+    scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0; 3], angle: 0.0 });
     let world = world_of(&scene, false);
     // Straight down a face that is not there is as one that does not bend.
     let face = 0.5 + 0.5 * through(1.0, 1.5).0 * f64::from(TINT);

@@ -74,7 +74,7 @@ fn lights_without_extent_and_rectangles() {
     let d2 = 0.25 + 0.5625 + 4.0_f64;
     let point = Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3] };
     assert_close(lit(point), albedo / PI * 7.0 / d2 * (2.0 / d2.sqrt()), 1e-3, "I cos / d²");
-    let sun = Light::Directional { direction: [3.0, 0.0, -4.0], irradiance: [2.0; 3] };
+    let sun = Light::Directional { direction: [3.0, 0.0, -4.0], irradiance: [2.0; 3], angle: 0.0 };
     assert_close(lit(sun), albedo / PI * 2.0 * 0.8, 1e-4, "E cos");
 
     // From far above the floor to grazing: light samples find the first, scattered rays the last.
@@ -100,7 +100,11 @@ fn groups_of_lights_add_up() {
     put_mesh(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
     scene.add_light(environment([1.0; 3]));
     // Thirty degrees above the horizon, beside the panel.
-    scene.add_light(Light::Directional { direction: [-3.0_f32.sqrt(), 0.0, -1.0], irradiance: [2.0; 3] });
+    scene.add_light(Light::Directional {
+        direction: [-3.0_f32.sqrt(), 0.0, -1.0],
+        irradiance: [2.0; 3],
+        angle: 0.0,
+    });
     let found = measured(&scene, [-0.01, -0.01, 0.5], [0.0; 3], 1024, 2);
     let corner = 0.5_f64.sqrt();
     let form = 4.0 * 2.0 * corner * corner.atan() / (2.0 * PI);

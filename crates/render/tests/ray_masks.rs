@@ -37,7 +37,7 @@ fn with_and_without(
 /// A floor under a light from above.
 fn lit_floor() -> Scene {
     let mut scene = floor(0.5, 10.0);
-    scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0; 3] });
+    scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0; 3], angle: 0.0 });
     scene
 }
 

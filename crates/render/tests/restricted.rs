@@ -166,7 +166,7 @@ fn light_is_of_categories() {
     let point = |x: f32| Light::Point { position: [x, 0.0, 2.0], intensity: [4.0, 1.0, 1.0] };
     let up = [0.0, 0.0, -1.0];
     let lights = [
-        (Light::Directional { direction: up, irradiance: [1.0, 2.0, 3.0] }, "sun", "key"),
+        (Light::Directional { direction: up, irradiance: [1.0, 2.0, 3.0], angle: 0.0 }, "sun", "key"),
         (point(0.0), "bulb", "fill"),
         (point(1.0), "/hall/bulb", ""),
         (environment([0.5; 3]), "sky", "key"),

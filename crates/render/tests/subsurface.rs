@@ -153,7 +153,7 @@ fn light_comes_through_thin_bodies() {
     let (color, thickness) = ([0.9, 0.7, 0.5], 2.0);
     let material = wax(&mut scene, color, below([1.0; 3], 0.0), 0.0);
     put_mesh(&mut scene, block([-100.0, -100.0, 0.0], [100.0, 100.0, 2.0], material));
-    scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
+    scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3], angle: 0.0 });
     let found = seen(&scene, [0.0, 0.0, -9.0], [0.1, 0.2, 0.0], &path(1 << 14));
     for c in 0..3 {
         let wall = |p: [f64; 3], d: [f64; 3]| {

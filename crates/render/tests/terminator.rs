@@ -14,8 +14,11 @@ fn ball(smooth: bool) -> Scene {
     let material: MaterialId = matte(&mut scene, [1.0; 3]);
     let mesh = sphere([0.0; 3], 1.0, 7, material);
     put_mesh(&mut scene, if smooth { mesh } else { Mesh { normals: Vec::new(), ..mesh } });
-    scene
-        .add_light(Light::Directional { direction: [-1.0, 0.0, 0.0], irradiance: [std::f32::consts::PI; 3] });
+    scene.add_light(Light::Directional {
+        direction: [-1.0, 0.0, 0.0],
+        irradiance: [std::f32::consts::PI; 3],
+        angle: 0.0,
+    });
     scene
 }
 

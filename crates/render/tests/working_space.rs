@@ -108,7 +108,7 @@ fn factors_and_textures_are_multiplied_first() {
 fn all_lights_are_converted() {
     let pi = std::f32::consts::PI;
     let down = [0.0, 0.0, -1.0];
-    let directional = Light::Directional { direction: down, irradiance: LIGHT.map(|x| x * pi) };
+    let directional = Light::Directional { direction: down, irradiance: LIGHT.map(|x| x * pi), angle: 0.0 };
     let height = 50.0;
     let position = [0.1, 0.1, height];
     let intensity = LIGHT.map(|x| x * pi * height * height);

@@ -38,6 +38,9 @@ pub enum Light {
         direction: [f32; 3],
         /// Irradiance on a surface that faces it, W·m⁻².
         irradiance: [f32; 3],
+        /// The angle that its disc covers, radians: 0 = parallel light, at most pi. The disc is of the same radiance everywhere, and
+        /// lights surfaces and media; rays that hit nothing do not see it.
+        angle: f32,
     },
     /// From everywhere: the radiance of rays that hit nothing. A scene has at most one; the last one counts.
     Environment {

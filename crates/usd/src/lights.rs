@@ -214,12 +214,13 @@ impl Builder<'_> {
         let is_normalized = reader.flag(prim, "inputs:normalize") == Some(true) || angle <= 0.0;
         let spread = PI * (angle.min(180.0).to_radians() / 2.0).sin().powi(2);
         let share = if is_normalized { 1.0 } else { spread };
-        if angle > 1.0 {
-            reader.unsupported(prim, format_args!("inputs:angle {angle}, its shadows are sharp"));
-        }
         let direction = transform.vector([0.0, 0.0, -1.0]).map(|x| x as f32);
         let irradiance = radiance.map(|x| (x * share) as f32);
-        let light = self.scene.add_light(Light::Directional { direction, irradiance });
+        let light = self.scene.add_light(Light::Directional {
+            direction,
+            irradiance,
+            angle: angle.clamp(0.0, 180.0).to_radians() as f32,
+        });
         self.name(prim, light);
     }
 

@@ -60,11 +60,12 @@ def DomeLight "Sky" { float inputs:intensity = 0.5 }
     );
     assert_eq!(warnings(&loaded), "");
     let [sun, wide, point, spot, sky] = loaded.scene.lights() else { panic!("five lights") };
-    assert_eq!(*sun, Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [3.0; 3] });
-    let Light::Directional { irradiance, .. } = wide else { panic!("a direction") };
+    assert_eq!(*sun, Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [3.0; 3], angle: 0.0 });
+    let Light::Directional { irradiance, angle, .. } = wide else { panic!("a direction") };
     // Radiance times the projected solid angle of half a degree around.
     let spread = std::f64::consts::PI * 0.5_f64.to_radians().sin().powi(2);
     assert!((f64::from(irradiance[0]) / (100.0 * spread) - 1.0).abs() < 1e-5, "{irradiance:?}");
+    assert!((angle.to_degrees() - 1.0).abs() < 1e-5, "{angle}");
     let Light::Point { intensity, .. } = point else { panic!("a point") };
     assert!(
         (intensity[0] - 4.0 * std::f32::consts::PI).abs() < 1e-4,

@@ -30,7 +30,11 @@ fn scene() -> Scene {
         ..Camera::default()
     });
     scene.add_light(Light::Point { position: [1.0, 2.0, 3.0], intensity: [4.0, 5.0, 6.0] });
-    scene.add_light(Light::Directional { direction: [0.0, -1.0, 0.0], irradiance: [2.0, 1.0, 0.5] });
+    scene.add_light(Light::Directional {
+        direction: [0.0, -1.0, 0.0],
+        irradiance: [2.0, 1.0, 0.5],
+        angle: 0.0,
+    });
     scene.add_light(Light::Environment {
         radiance: [0.25; 3],
         texture: None,
@@ -74,7 +78,7 @@ fn both_forms_come_back() {
         assert!(a.shift.iter().zip(b.shift).all(|(a, b)| (a - b).abs() < 1e-5), "{name}: {:?}", b.shift);
         let [
             Light::Point { intensity, .. },
-            Light::Directional { direction, irradiance },
+            Light::Directional { direction, irradiance, angle: 0.0 },
             Light::Environment { radiance, .. },
         ] = after.lights()
         else {

@@ -134,9 +134,9 @@ pub(super) fn lights(scene: &Scene) -> Vec<Value> {
                 "type": "spot", "name": name, "position": position, "direction": direction, "intensity": intensity,
                 "inner_angle": inner_angle.to_degrees(), "outer_angle": outer_angle.to_degrees(),
             }),
-            Light::Directional { direction, irradiance } => {
-                json!({ "type": "directional", "name": name, "direction": direction, "irradiance": irradiance })
-            }
+            Light::Directional { direction, irradiance, angle } => json!({
+                "type": "directional", "name": name, "direction": direction, "irradiance": irradiance, "angle": angle.to_degrees(),
+            }),
             Light::Environment { radiance, texture, .. } => {
                 let texture = texture.map(|id| &scene.texture(id).name[..]);
                 json!({ "type": "environment", "name": name, "radiance": radiance, "texture": texture })

@@ -212,7 +212,10 @@ impl Nodes {
                 Light::Point { position, intensity } => {
                     (punctual("point", *intensity), at(*position, [0.0, 0.0, -1.0]))
                 }
-                Light::Directional { direction, irradiance } => {
+                Light::Directional { direction, irradiance, angle } => {
+                    if *angle > 0.0 {
+                        leave_out(1, "angle of a directional light", path, warnings);
+                    }
                     (punctual("directional", *irradiance), at([0.0; 3], *direction))
                 }
                 Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {

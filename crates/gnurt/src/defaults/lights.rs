@@ -86,7 +86,7 @@ pub fn lit_from(camera: &Camera) -> [Light; 2] {
         Some(frame) => [0, 1, 2].map(|k| frame.forward[k] + 0.7 * frame.right[k] - 0.8 * frame.up[k]),
         None => [0.7, -0.8, -1.0],
     };
-    [Light::Directional { direction, irradiance: [KEY; 3] }, background()]
+    [Light::Directional { direction, irradiance: [KEY; 3], angle: 0.0 }, background()]
 }
 
 #[cfg(test)]

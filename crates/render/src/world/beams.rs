@@ -14,7 +14,7 @@ use super::shader_emission::{EmissionShape, ShaderEmission};
 
 /// Points of a triangle for each direction; and of all shapes of one emitter and side for one direction.
 const PLACES: usize = 4;
-const MOST_PLACES: usize = 256;
+const MOST_PLACES: usize = 64;
 /// Least share of dark samples among a few for which a beam is looked for.
 const FEW_DARK: f32 = 1.0 / 8.0;
 

@@ -294,8 +294,8 @@ fn without_extent(
             parts.spots.push(spot);
             Some(Arc::new(spot))
         }
-        Light::Directional { direction, irradiance } => {
-            let directional = shading::DirectionalLight::new(direction.into(), color(irradiance))?;
+        Light::Directional { direction, irradiance, angle } => {
+            let directional = shading::DirectionalLight::new(direction.into(), color(irradiance), angle)?;
             parts.directionals.push(directional);
             Some(Arc::new(directional))
         }

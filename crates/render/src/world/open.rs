@@ -129,11 +129,12 @@ fn mixed(from: &Light, to: &Light, interval: &KeyInterval) -> Light {
             outer_angle: interval.mix(*outer_angle, *to_outer),
         },
         (
-            Light::Directional { direction, irradiance },
-            Light::Directional { direction: to_direction, irradiance: to_irradiance },
+            Light::Directional { direction, irradiance, angle },
+            Light::Directional { direction: to_direction, irradiance: to_irradiance, angle: to_angle },
         ) => Light::Directional {
             direction: mix(direction, to_direction),
             irradiance: mix(irradiance, to_irradiance),
+            angle: interval.mix(*angle, *to_angle),
         },
         _ => from.clone(),
     }

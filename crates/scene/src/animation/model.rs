@@ -183,7 +183,7 @@ impl LightFactors {
         let good = intensity.iter().chain(&position).chain(&direction).all(|x| x.is_finite());
         good.then(|| match self.kind {
             LightKind::Point => Light::Point { position, intensity },
-            LightKind::Directional => Light::Directional { direction, irradiance: intensity },
+            LightKind::Directional => Light::Directional { direction, irradiance: intensity, angle: 0.0 },
             LightKind::Spot => {
                 let outer_angle = self.outer_angle.clamp(1e-3, std::f32::consts::FRAC_PI_2);
                 let inner_angle = self.inner_angle.clamp(0.0, outer_angle * 0.999);

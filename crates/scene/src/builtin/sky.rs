@@ -109,7 +109,7 @@ impl Sky {
         scene.add_light(Light::Environment { radiance: [1.0; 3], texture: Some(texture), world_from_light });
         if self.sunlight != [0.0; 3] {
             let direction = world_from_light.vector(self.sun.map(|x| -f64::from(x))).map(|x| x as f32);
-            scene.add_light(Light::Directional { direction, irradiance: self.sunlight });
+            scene.add_light(Light::Directional { direction, irradiance: self.sunlight, angle: 0.0 });
         }
     }
 

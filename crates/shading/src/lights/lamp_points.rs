@@ -44,7 +44,7 @@ impl LightSet {
             }
             LightKind::Point(i) => Place::At(self.parts.points[i as usize].position),
             LightKind::Spot(i) => Place::At(self.parts.spots[i as usize].position),
-            LightKind::Directional(i) => Place::Towards(self.parts.directionals[i as usize].towards),
+            LightKind::Directional(i) => Place::Towards(self.parts.directionals[i as usize].sample(u).0),
             LightKind::Environment => return None,
         };
         Some(LampPoint { light, place, delta, on_shape })
@@ -70,7 +70,7 @@ impl LightSet {
                 let spot = &self.parts.spots[i as usize];
                 spot.intensity * spot.falloff(-dir.dot(spot.axis))
             }
-            LightKind::Directional(i) => self.parts.directionals[i as usize].irradiance,
+            LightKind::Directional(i) => self.parts.directionals[i as usize].irradiance_along(-dir),
             LightKind::Environment => Vec3::ZERO,
         }
     }

@@ -73,13 +73,8 @@ impl LightSet {
             }
             LightKind::Directional(i) => {
                 let directional = &self.parts.directionals[i as usize];
-                Some(self.emit_from_far(
-                    -directional.towards,
-                    directional.irradiance,
-                    choice.probability,
-                    1.0,
-                    u_pos,
-                ))
+                let (towards, irradiance) = directional.sample(u_dir);
+                Some(self.emit_from_far(-towards, irradiance, choice.probability, 1.0, u_pos))
             }
             LightKind::Environment => {
                 let environment = self.parts.environment.as_ref()?;

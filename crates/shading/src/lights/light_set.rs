@@ -205,10 +205,11 @@ impl LightSet {
     ) -> Option<LightSample> {
         let light = LightId((self.parts.finite_count() + index) as u32);
         if let Some(directional) = self.parts.directionals.get(index) {
+            let (dir, irradiance) = directional.sample(u);
             return Some(LightSample {
-                dir: directional.towards,
+                dir,
                 dist: f32::INFINITY,
-                radiance: directional.irradiance,
+                radiance: irradiance,
                 pdf: probability,
                 delta: true,
                 light,

@@ -111,7 +111,7 @@ fn everything() -> LightSet {
         shapes: shapes((0..48).map(emissive_shape), &[1.0, 5.0, 20.0]),
         points: vec![PointLight { position: Vec3::new(0.5, 0.0, 2.0), intensity: Vec3::ONE }],
         spots: SpotLight::new(Vec3::new(0.0, 1.0, 2.0), -Vec3::Z, Vec3::ONE, 0.3, 0.6).into_iter().collect(),
-        directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
+        directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE, 0.0).into_iter().collect(),
         environment: Some(picture()),
         ..LightParts::default()
     })
@@ -163,7 +163,7 @@ fn sphere_has_its_closed_form() {
 fn lights_without_extent_and_constant_skies_have_closed_forms() {
     let lights = set(LightParts {
         points: vec![PointLight { position: Vec3::new(0.0, 0.0, 2.0), intensity: Vec3::splat(8.0) }],
-        directionals: DirectionalLight::new(-Vec3::Z, Vec3::splat(3.0)).into_iter().collect(),
+        directionals: DirectionalLight::new(-Vec3::Z, Vec3::splat(3.0), 0.0).into_iter().collect(),
         environment: Some(EnvironmentLight::Constant(Arc::new(ConstantEnvironment { radiance: Vec3::ONE }))),
         ..LightParts::default()
     });
@@ -276,7 +276,7 @@ fn groups_are_chosen_by_contribution() {
     // A sun of irradiance 3 and a sky of irradiance pi, without and with the sun below the horizon: scattered rays find
     // light that is the same from everywhere as well.
     let lights = set(LightParts {
-        directionals: DirectionalLight::new(-Vec3::Z, Vec3::splat(3.0)).into_iter().collect(),
+        directionals: DirectionalLight::new(-Vec3::Z, Vec3::splat(3.0), 0.0).into_iter().collect(),
         environment: Some(EnvironmentLight::Constant(Arc::new(ConstantEnvironment { radiance: Vec3::ONE }))),
         ..LightParts::default()
     });
@@ -374,7 +374,7 @@ fn emission_adds_up_to_the_power() {
         ),
         (
             LightParts {
-                directionals: DirectionalLight::new(Vec3::X, Vec3::ONE).into_iter().collect(),
+                directionals: DirectionalLight::new(Vec3::X, Vec3::ONE, 0.0).into_iter().collect(),
                 ..LightParts::default()
             },
             far,
@@ -517,7 +517,7 @@ fn lanes_choose_as_points_do() {
     };
     let with_sky = set(LightParts {
         shapes: emissive_triangles(30),
-        directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
+        directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE, 0.4).into_iter().collect(),
         environment: Some(picture()),
         ..LightParts::default()
     });

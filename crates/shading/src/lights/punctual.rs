@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lights without extent: from a point to all sides, from a point into a cone, from infinitely far away.
+//! Lights that no scattered ray meets: from a point to all sides, from a point into a cone, from infinitely far away.
 //! Source: glTF KHR_lights_punctual (the falloff between the spot's cones is the one recommended there).
-//! Units: intensity in W·sr⁻¹, irradiance in W·m⁻²; no random number is used.
+//! Units: intensity in W·sr⁻¹, irradiance in W·m⁻². Random numbers choose directions to the discs of directional lights, nothing else.
 //! Tests: `tests`, and the closed forms of crates/render/tests/lights.rs.
 
 use glam::Vec3;
 
 use crate::batch::Vec3s;
+use crate::sampling::Basis;
+use crate::sampling::warp::concentric_disk;
 use crate::shader::{LightBatch, LightShader};
+
+/// Least cosine to the axis of a wide disc, for its outermost points stand for very much light.
+const LEAST_COSINE: f32 = 1e-2;
 
 /// From a point to all sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +39,8 @@ pub struct SpotLight {
 pub struct DirectionalLight {
     pub(super) towards: Vec3,
     pub(super) irradiance: Vec3,
+    /// Of half of the angle that it covers.
+    sin_half: f32,
 }
 
 impl SpotLight {
@@ -62,10 +69,33 @@ impl SpotLight {
 }
 
 impl DirectionalLight {
-    /// `direction` is where its light goes, any length but zero; `irradiance` that of a surface facing it.
+    /// `direction` is where its light goes, any length but zero; `irradiance` that of a surface facing it; `angle` what its disc
+    /// covers, radians, from 0 to pi.
     #[must_use]
-    pub fn new(direction: Vec3, irradiance: Vec3) -> Option<Self> {
-        Some(Self { towards: -direction.try_normalize()?, irradiance })
+    pub fn new(direction: Vec3, irradiance: Vec3, angle: f32) -> Option<Self> {
+        let sin_half = (0.5 * angle.clamp(0.0, std::f32::consts::PI)).sin();
+        Some(Self { towards: -direction.try_normalize()?, irradiance, sin_half })
+    }
+
+    /// The unit direction to a point of its disc by two numbers in [0, 1), and the irradiance that it stands for: points are
+    /// uniform over the disc as a surface that faces it sees that.
+    pub(super) fn sample(&self, u: [f32; 2]) -> (Vec3, Vec3) {
+        if self.sin_half <= 0.0 {
+            return (self.towards, self.irradiance);
+        }
+        let across = concentric_disk(u) * self.sin_half;
+        let cos = (1.0 - across.length_squared()).max(0.0).sqrt();
+        let dir = Basis::around(self.towards).to_world(across.extend(cos)).normalize();
+        (dir, self.irradiance_along(dir))
+    }
+
+    /// The irradiance that a point of its disc in this unit direction stands for.
+    pub(super) fn irradiance_along(&self, dir: Vec3) -> Vec3 {
+        if self.sin_half <= 0.0 {
+            self.irradiance
+        } else {
+            self.irradiance / self.towards.dot(dir).max(LEAST_COSINE)
+        }
     }
 }
 
@@ -97,11 +127,12 @@ impl LightShader for SpotLight {
 }
 
 impl LightShader for DirectionalLight {
-    fn illuminate(&self, p: &Vec3s, _normal: &Vec3s, _random: &[[f32; 2]], out: &mut LightBatch) {
-        for i in 0..p.len() {
-            out.dir.set(i, self.towards);
+    fn illuminate(&self, p: &Vec3s, _normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
+        for (i, &random) in random.iter().enumerate().take(p.len()) {
+            let (dir, irradiance) = self.sample(random);
+            out.dir.set(i, dir);
             out.dist[i] = f32::INFINITY;
-            out.radiance.set(i, self.irradiance);
+            out.radiance.set(i, irradiance);
         }
     }
 }
@@ -143,7 +174,26 @@ mod tests {
 
     #[test]
     fn directional_lights_are_far() {
-        let light = DirectionalLight::new(Vec3::new(0.0, 0.0, -2.0), Vec3::ONE).expect("it points down");
+        let light = DirectionalLight::new(Vec3::new(0.0, 0.0, -2.0), Vec3::ONE, 0.0).expect("it points down");
         assert_eq!(sample_one(&light, Vec3::ONE), (Vec3::Z, f32::INFINITY, Vec3::ONE), "the same everywhere");
+    }
+
+    /// The light that facing and tilted surfaces get from a disc: the irradiance times the cosine, where all of it is above.
+    #[test]
+    fn discs_bring_their_irradiance() {
+        for degrees in [0.5_f32, 30.0, 120.0] {
+            let angle = degrees.to_radians();
+            let light =
+                DirectionalLight::new(Vec3::new(-1.0, 0.0, -1.0), Vec3::ONE, angle).expect("it points down");
+            let middle = Vec3::new(1.0, 0.0, 1.0).normalize();
+            const N: u32 = 64;
+            let mut sum = Vec3::ZERO;
+            for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+                let (dir, irradiance) = light.sample([i, j].map(|k| (k as f32 + 0.5) / N as f32));
+                assert!(dir.angle_between(middle) < 0.5 * angle + 1e-3, "within the disc");
+                sum += dir * irradiance.x / (N * N) as f32;
+            }
+            assert!((sum - middle).length() < 2e-3, "{degrees} degrees: {sum}");
+        }
     }
 }

@@ -31,11 +31,11 @@ pub(super) fn write(light: &Light, name: &str, files: &[String], text: &mut Text
             text.line(format_args!("float inputs:shaping:cone:softness = {}", softness.clamp(0.0, 1.0)));
             text.close();
         }
-        Light::Directional { direction, irradiance } => {
+        Light::Directional { direction, irradiance, angle } => {
             text.open("def DistantLight", name, &[]);
             write_transform(&towards(*direction, [0.0; 3]), text);
             write_strength(*irradiance, 1.0, text);
-            text.line("float inputs:angle = 0");
+            text.line(format_args!("float inputs:angle = {}", angle.to_degrees()));
             text.close();
         }
         Light::Environment { radiance, texture, world_from_light } => {
