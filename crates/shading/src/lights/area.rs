@@ -16,7 +16,7 @@ use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
 use super::beam::Beam;
-use super::light_estimates::Aim;
+use super::light_estimates::{Aim, LEAST_SHARE};
 use super::light_tree::LightBounds;
 use super::shape::{Outline, Shape};
 use crate::batch::Vec3s;
@@ -26,9 +26,6 @@ use crate::sampling::{self, Distribution};
 use crate::shader::{LightBatch, LightShader, SurfaceShader};
 use crate::texture::TextureSampler;
 
-/// Least share of its emitter's mean that a triangle counts as: its sampled points may be dark where the rest
-/// is bright.
-pub const LEAST_SHARE: f32 = 1.0 / 64.0;
 /// Sampled points on one triangle.
 const SAMPLE_COUNTS: [f32; 2] = [4.0, 256.0];
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where the light of a shape goes that its shader sends to some directions alone: spots, lamps with a narrow spread, fixtures.
 //! Choices among lamps ask it; emission itself is the shader's.
-//! Source: original; after the cone of emission of a light in [EK18]. Space: world.
+//! Source: the cone of a light's emission in [EK18]. Differs: a table of brightness within it. Space: world.
 //! Invariant: within the cone around all directions that samples of the emission showed to be lit no direction is quite dark;
 //! outside of it only scattered rays find light, as on sides that were dark at all samples.
 //! Tests: `tests`, `light_set_tests`, crates/render/tests/beams.rs.
 
 use glam::Vec3;
 
-use super::area::LEAST_SHARE;
+use super::light_estimates::LEAST_SHARE;
 use crate::real::{Real, Vector};
 use crate::sampling::octahedron::{direction_of, square_of, stretch};
 

@@ -7,6 +7,10 @@ use super::spherical;
 use crate::real::{Real, Vector};
 use crate::sampling::triangle;
 
+/// Least share that a part of an emitter counts as, of its mean or its brightest direction: its samples may be dark where the rest is
+/// bright.
+pub const LEAST_SHARE: f32 = 1.0 / 64.0;
+
 /// A group of lights, as [`LightBounds`](super::light_tree::LightBounds).
 #[derive(Clone, Copy)]
 pub(super) struct GroupBounds<R: Real> {

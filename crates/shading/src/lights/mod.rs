@@ -22,11 +22,12 @@ mod shape;
 mod sphere;
 mod spherical;
 
-pub use area::{EmissiveShape, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, ShapeLights, looking_at};
+pub use area::{EmissiveShape, Emitter, EmitterPoint, EmitterShaders, ShapeLights, looking_at};
 pub use beam::Beam;
 pub use environment::{ConstantEnvironment, PictureEnvironment};
 pub use lamp_points::{LampPoint, Place};
 pub use light_emission::LightRay;
+pub use light_estimates::LEAST_SHARE;
 pub use light_lanes::{LightSampleX16, LightSamples};
 pub use light_parts::{EnvironmentLight, LightId, LightKind, LightParts, LightSample};
 pub use light_set::LightSet;
