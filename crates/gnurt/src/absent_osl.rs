@@ -1,117 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The shading language in a build without it: its names are known, and a request for a shader is an error that says how to get it.
 //! Invariant: all names of `gnurt-sl-shading` that programs use are here with the same types, and there is never a [`Script`].
-//! Tests: builds of the program without features (`cargo xtask ci`).
+//! Tests: `tests`, and `cargo xtask ci`, which compiles the program without features.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnurt_image::{Texels, WorkingSpace};
-use gnurt_shading::texture::TextureSampler;
+use gnurt_image::WorkingSpace;
+use gnurt_shading::script::{self, built_in_name};
+pub use gnurt_shading::script::{CameraFrame, Kind, Parameter, ParameterValue, document_and_node, sampler};
 use gnurt_shading::{
     CameraShader, DisplacementShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
 };
 
-const ABSENT: &str = "this program was compiled without the shading language: `cargo run --release --features osl -- ...` compiles it; `cargo build --release` and `cargo xtask install` have it";
-
 /// Where shaders may take files from.
-#[derive(Clone, Debug, Default)]
-pub struct Access {
-    /// Only from below this folder; from anywhere if there is none.
-    pub confined_to: Option<PathBuf>,
-    /// Folders that `#include` searches after the shader's own.
-    pub includes: Vec<String>,
-    /// Source texts in memory, by their paths.
-    pub texts: Arc<HashMap<PathBuf, String>>,
-    /// Pictures in memory, by the names that shaders call them.
-    pub pictures: Arc<HashMap<String, Arc<TextureSampler>>>,
-    /// The space in which light is computed.
-    pub space: WorkingSpace,
-}
+pub type Access = script::Access;
 
-/// The kind of a script.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// The appearance of a surface.
-    Surface,
-    /// The offsets of a surface's vertices.
-    Displacement,
-    /// A light.
-    Light,
-    /// A camera.
-    Camera,
-    /// Radiance of rays that hit nothing.
-    Environment,
-    /// The colour of a pixel.
-    Pixel,
-}
-
-/// The value of a parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ParameterValue {
-    /// Numbers.
-    Floats(Vec<f32>),
-    /// Whole numbers.
-    Ints(Vec<i32>),
-    /// Texts.
-    Texts(Vec<String>),
-}
-
-impl ParameterValue {
-    /// Its numbers as floats; `None` of texts.
-    #[must_use]
-    pub fn numbers(&self) -> Option<Vec<f32>> {
-        match self {
-            Self::Floats(list) => Some(list.clone()),
-            Self::Ints(list) => Some(list.iter().map(|&x| x as f32).collect()),
-            Self::Texts(_) => None,
-        }
-    }
-}
-
-/// A parameter of a script.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// Its name.
-    pub name: String,
-    /// Its type as it is written.
-    pub ty: String,
-    /// Its default.
-    pub default: ParameterValue,
-    /// The label in user interfaces.
-    pub label: String,
-    /// The help text of the source.
-    pub help: String,
-    /// The least and the greatest value that is useful.
-    pub range: Option<[f32; 2]>,
-    /// The least change that is useful.
-    pub step: Option<f32>,
-    /// The widget in user interfaces.
-    pub widget: String,
-    /// The choices of `mapper` and `popup`.
-    pub options: String,
-    /// Whether it can be changed without compiling.
-    pub is_tunable: bool,
-    /// How often the mesh has one.
-    pub rate: String,
-    /// Whether the mesh may give it.
-    pub is_of_mesh: bool,
-}
-
-/// Position and axes of a camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraFrame {
-    /// Where it is.
-    pub eye: [f32; 3],
-    /// Unit, to the right.
-    pub right: [f32; 3],
-    /// Unit, upwards.
-    pub up: [f32; 3],
-    /// Unit, towards the viewer.
-    pub back: [f32; 3],
-    /// Pixels of the picture, across and down.
-    pub pixels: [u32; 2],
+/// The error of a request for the language; `arguments` are those of the program after its options, or an ellipsis.
+#[must_use]
+pub fn absent(arguments: &str) -> String {
+    format!(
+        "this program was compiled without the shading language: `cargo run --release --features osl -- {arguments}` \
+         compiles it; `cargo build --release` and `cargo xtask install` have it"
+    )
 }
 
 #[derive(Clone, Debug)]
@@ -206,7 +117,7 @@ impl Script {
     /// # Errors
     /// Always: the compiler is not there.
     pub fn open(path: &Path, _: &Access) -> Result<Self, String> {
-        Err(format!("{}: {ABSENT}", path.display()))
+        Err(format!("{}: {}", path.display(), absent("...")))
     }
 
     /// Compiles a text.
@@ -247,22 +158,10 @@ impl Script {
     }
 }
 
-/// Whether a name is that of a shader of the library, and of no file.
+/// Whether a name is that of a built-in shader, and of no file.
 #[must_use]
 pub fn is_carried(path: &Path) -> bool {
-    path.parent().is_some_and(|folder| folder == Path::new("builtin")) && !path.exists()
-}
-
-/// The file of a MaterialX document's name, and the node after it.
-#[must_use]
-pub fn document_and_node(name: &str) -> Option<(&str, Option<&str>)> {
-    const END: &str = ".mtlx";
-    if name.ends_with(END) {
-        return Some((name, None));
-    }
-    let at = name.find(".mtlx:")? + END.len();
-    let node = &name[at + 1..];
-    (!node.is_empty()).then_some((&name[..at], Some(node)))
+    built_in_name(path).is_some()
 }
 
 /// The materials that a document's shaders are for: the one that was asked for.
@@ -278,8 +177,31 @@ pub fn shaders_by_material<'a>(
     Ok(vec![(material.to_owned(), shader.to_owned())])
 }
 
-/// The sampler of a picture in memory.
-#[must_use]
-pub fn sampler(texels: Arc<Texels>) -> TextureSampler {
-    TextureSampler::new(texels)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_request_is_an_error_with_a_remedy() {
+        let access = Access::default();
+        for path in ["builtin/wood.osl", "no/such.osl", "a.mtlx:gold"] {
+            let opened = Script::open(path.as_ref(), &access).err();
+            assert_eq!(opened, Script::from_text(path.as_ref(), "surface s () {}", &access).err(), "{path}");
+            let why = opened.expect("there is no script");
+            assert!(why.starts_with(path) && why.contains("--features osl -- ..."), "{why}");
+            assert_eq!(why.lines().count(), 1, "{why}");
+        }
+        assert!(
+            is_carried("builtin/wood.osl".as_ref()),
+            "the name of a shader of the library is no missing file"
+        );
+        assert!(!is_carried("no/such.osl".as_ref()), "other files are missing");
+    }
+
+    #[test]
+    fn materials_keep_their_shader() {
+        let names = ["gold", "silver"].into_iter();
+        let pairs = shaders_by_material("a.mtlx", "*", names, &Access::default());
+        assert_eq!(pairs, Ok(vec![("*".to_owned(), "a.mtlx".to_owned())]), "as a file of one shader");
+    }
 }

@@ -79,6 +79,14 @@
 
 #[cfg(not(all(feature = "gltf", feature = "pbrt", feature = "usd")))]
 mod absent;
+#[cfg(all(test, feature = "osl"))]
+#[expect(
+    dead_code,
+    unreachable_pub,
+    unused_imports,
+    reason = "its own tests run in builds with the language, too"
+)]
+mod absent_osl;
 mod camera_rays;
 pub mod defaults;
 pub mod display_rules;

@@ -18,6 +18,7 @@ mod projective_camera;
 pub mod real;
 pub mod sampling;
 mod scene_queries;
+pub mod script;
 pub mod shader;
 mod texels;
 pub mod texture;

@@ -7,49 +7,33 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use gnurt_accel::{KeyInterval, Ray, RayBatch};
+use gnurt_shading::script::CameraFrame;
 use gnurt_shading::{CameraProperties, CameraSamples, CameraShader};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
 
 use crate::world::{Common, World, vector};
 
-/// Position and axes of a camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraFrame {
-    /// Where it is.
-    pub eye: [f32; 3],
-    /// Unit, to the right.
-    pub right: [f32; 3],
-    /// Unit, upwards.
-    pub up: [f32; 3],
-    /// Unit, towards the viewer: the camera looks along its opposite.
-    pub back: [f32; 3],
-    /// Pixels of the picture, across and down.
-    pub pixels: [u32; 2],
+/// The frame at a time from 0 to 1, along frames evenly spaced over that time: the eye moves straight
+/// from one to the next, axes are mixed and normalised. Panics if there is none.
+fn along(frames: &[CameraFrame], time: f32) -> CameraFrame {
+    let interval = KeyInterval::of(time, frames.len());
+    let (a, b) = (&frames[interval.key], &frames[interval.next]);
+    let mix = |a: [f32; 3], b: [f32; 3]| Vec3::from(interval.mix3(a, b));
+    let axis = |a: [f32; 3], b: [f32; 3]| mix(a, b).normalize_or(a.into()).to_array();
+    CameraFrame {
+        eye: mix(a.eye, b.eye).to_array(),
+        right: axis(a.right, b.right),
+        up: axis(a.up, b.up),
+        back: axis(a.back, b.back),
+        pixels: a.pixels,
+    }
 }
 
-impl CameraFrame {
-    /// The frame at a time from 0 to 1, along frames evenly spaced over that time: the eye moves straight
-    /// from one to the next, axes are mixed and normalised. Panics if there is none.
-    fn along(frames: &[Self], time: f32) -> Self {
-        let interval = KeyInterval::of(time, frames.len());
-        let (a, b) = (&frames[interval.key], &frames[interval.next]);
-        let mix = |a: [f32; 3], b: [f32; 3]| Vec3::from(interval.mix3(a, b));
-        let axis = |a: [f32; 3], b: [f32; 3]| mix(a, b).normalize_or(a.into()).to_array();
-        Self {
-            eye: mix(a.eye, b.eye).to_array(),
-            right: axis(a.right, b.right),
-            up: axis(a.up, b.up),
-            back: axis(a.back, b.back),
-            pixels: a.pixels,
-        }
-    }
-
-    /// From the camera's space to the world.
-    fn matrix(&self) -> [[f32; 4]; 4] {
-        let row = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-        [row(self.right, 0.0), row(self.up, 0.0), row(self.back, 0.0), row(self.eye, 1.0)]
-    }
+/// From the camera's space to the world.
+fn matrix(frame: &CameraFrame) -> [[f32; 4]; 4] {
+    let row = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+    [row(frame.right, 0.0), row(frame.up, 0.0), row(frame.back, 0.0), row(frame.eye, 1.0)]
 }
 
 /// A camera's shader without its frame. Cheap to clone.
@@ -82,14 +66,14 @@ impl ScriptCamera {
     fn frame(&self, time: f32) -> CameraFrame {
         match &self.frames[..] {
             [frame] => *frame,
-            frames => CameraFrame::along(frames, time),
+            frames => along(frames, time),
         }
     }
 }
 
 impl CameraShader for ScriptCamera {
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
-        let world_from_camera = |time: f32| self.frame(time).matrix();
+        let world_from_camera = |time: f32| matrix(&self.frame(time));
         let mut world = World::empty(&self.common);
         world.world_from_camera = Some(&world_from_camera);
         world.camera_is_still = self.frames.len() == 1;

@@ -41,13 +41,12 @@ mod world;
 mod wrap;
 
 pub use access::Access;
-pub use camera::{CameraFrame, CameraScript};
+pub use camera::CameraScript;
 pub use codes::Codes;
+pub use gnurt_shading::script::{CameraFrame, Kind, Parameter, ParameterValue, document_and_node, sampler};
 pub use gnurt_sl_lib::color::ColorSystem;
 pub use library::is_carried;
-pub use mtlx::{materials as materials_of_document, shaders_by_material, split as document_and_node};
-pub use parameter::{Parameter, ParameterValue};
+pub use mtlx::{materials as materials_of_document, shaders_by_material};
 pub use recipe::Recipe;
-pub use script::{Kind, Script};
+pub use script::Script;
 pub use stored::StoredTextures;
-pub use textures::sampler;

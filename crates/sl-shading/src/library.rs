@@ -4,6 +4,8 @@
 
 use std::path::Path;
 
+use gnurt_shading::script::built_in_name;
+
 /// The folder of carried texts.
 const FOLDER: &str = "builtin";
 
@@ -26,11 +28,7 @@ const FILES: &[(&str, &str)] = carried! {
 
 /// The text of a file that the program carries, if its name is `builtin/NAME` and there is no such file.
 pub(crate) fn text(path: &Path) -> Option<&'static str> {
-    let is_named = path.parent().and_then(Path::file_name).is_some_and(|folder| folder == FOLDER);
-    if !is_named || path.exists() {
-        return None;
-    }
-    let name = path.file_name()?.to_str()?;
+    let name = built_in_name(path)?;
     FILES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 

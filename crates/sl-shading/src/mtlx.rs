@@ -4,21 +4,9 @@
 
 use std::path::{Path, PathBuf};
 
+use gnurt_shading::script::document_and_node;
+
 use crate::access::Access;
-
-/// How names of documents end.
-const END: &str = ".mtlx";
-
-/// The file of a name, and the node after it.
-#[must_use]
-pub fn split(name: &str) -> Option<(&str, Option<&str>)> {
-    if name.ends_with(END) {
-        return Some((name, None));
-    }
-    let at = name.find(".mtlx:")? + END.len();
-    let node = &name[at + 1..];
-    (!node.is_empty()).then_some((&name[..at], Some(node)))
-}
 
 /// A document's shader.
 pub(crate) struct Written {
@@ -132,7 +120,7 @@ pub fn shaders_by_material<'a>(
     names: impl Iterator<Item = &'a str>,
     access: &Access,
 ) -> Result<Vec<(String, String)>, String> {
-    let several = match split(shader) {
+    let several = match document_and_node(shader) {
         Some((file, None)) => materials(Path::new(file), access)?,
         _ => Vec::new(),
     };
@@ -149,17 +137,4 @@ pub fn shaders_by_material<'a>(
         found.push((material.to_owned(), shader.to_owned()));
     }
     Ok(found)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::split;
-
-    #[test]
-    fn nodes_follow_files() {
-        assert_eq!(split("a/b.mtlx"), Some(("a/b.mtlx", None)));
-        assert_eq!(split("a/b.mtlx:ns:gold"), Some(("a/b.mtlx", Some("ns:gold"))));
-        assert_eq!(split("b.mtlx:graph/out"), Some(("b.mtlx", Some("graph/out"))));
-        assert_eq!((split("b.osl"), split("b.mtlx:")), (None, None));
-    }
 }

@@ -1,65 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parameters of scripts: declarations, and values given by programs and users. Labels and ranges are OSL's
-//! metadata.
+//! Parameters of compiled scripts: their declarations, and values of their types. Labels and ranges are OSL's metadata.
 //! Tests: `tests/scripts/wrong.rs`.
 
+use gnurt_shading::script::{Parameter, ParameterValue};
 use gnurt_sl::group::Value;
 use gnurt_sl::hir::Data;
 use gnurt_sl::ir::Symbol;
 use gnurt_sl::types::{Base, Type};
-
-/// The value of a parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ParameterValue {
-    /// Numbers: of floats, colours, points, vectors, normals, matrices, and arrays of them.
-    Floats(Vec<f32>),
-    /// Whole numbers.
-    Ints(Vec<i32>),
-    /// Texts.
-    Texts(Vec<String>),
-}
-
-impl ParameterValue {
-    /// Its numbers as floats; `None` of texts.
-    #[must_use]
-    pub fn numbers(&self) -> Option<Vec<f32>> {
-        match self {
-            Self::Floats(list) => Some(list.clone()),
-            Self::Ints(list) => Some(list.iter().map(|&x| x as f32).collect()),
-            Self::Texts(_) => None,
-        }
-    }
-}
-
-/// A parameter of a script.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// Its name.
-    pub name: String,
-    /// Its type as it is written: `float`, `color`, `int[2]`.
-    pub ty: String,
-    /// Its default, as far as the text states it as a constant.
-    pub default: ParameterValue,
-    /// The label in user interfaces; empty if there is none.
-    pub label: String,
-    /// The help text of the source; empty if there is none.
-    pub help: String,
-    /// The least and the greatest value that is useful.
-    pub range: Option<[f32; 2]>,
-    /// The least change that is useful: `step`, or `sensitivity` as OSL's manual has it.
-    pub step: Option<f32>,
-    /// The widget in user interfaces: `number`, `checkBox`, `boolean`, `mapper`, `popup`, `null` for none;
-    /// empty if not given.
-    pub widget: String,
-    /// The choices of `mapper` and `popup`, between bars: `off:0|on:1`.
-    pub options: String,
-    /// Whether it can be changed without compiling: numbers whose value is known before the shader runs.
-    pub is_tunable: bool,
-    /// How often the mesh has one, in the text's words: `vertex`, `triangle`, or empty.
-    pub rate: String,
-    /// Whether the mesh may give it: by vertex or triangle, under its name.
-    pub is_of_mesh: bool,
-}
 
 /// Numbers of a parameter that is changed without compiling.
 const MOST_NUMBERS: usize = 16;
@@ -72,43 +19,42 @@ fn number(data: &Data) -> Option<f32> {
     }
 }
 
-impl Parameter {
-    pub(crate) fn of(symbol: &Symbol, value: Option<&Data>) -> Self {
-        let meta = |name: &str| symbol.meta.iter().find(|m| &*m.name == name).map(|m| &m.value);
-        let text = |name: &str| match meta(name) {
-            Some(Data::Str(list)) => list.first().map(ToString::to_string).unwrap_or_default(),
-            _ => String::new(),
-        };
-        let range = meta("min").and_then(number).zip(meta("max").and_then(number));
-        let flag = |name: &str| symbol.flag(name);
-        let size = symbol.ty.size();
-        let default = match value.or(symbol.value.as_ref()) {
-            Some(Data::Float(list)) => ParameterValue::Floats(list.clone()),
-            Some(Data::Int(list)) => ParameterValue::Ints(list.clone()),
-            Some(Data::Str(list)) => ParameterValue::Texts(list.iter().map(ToString::to_string).collect()),
-            None => match symbol.ty.base {
-                Base::Int => ParameterValue::Ints(vec![0; size]),
-                Base::String => ParameterValue::Texts(vec![String::new(); size]),
-                _ => ParameterValue::Floats(vec![0.0; size]),
-            },
-        };
-        Self {
-            name: symbol.name.to_string(),
-            ty: symbol.ty.to_string(),
-            default,
-            label: text("label"),
-            help: text("help"),
-            rate: text("rate"),
-            range: range.map(|(min, max)| [min, max]),
-            step: meta("step").or(meta("sensitivity")).and_then(number).filter(|&x| x > 0.0),
-            widget: text("widget"),
-            options: text("options"),
-            is_tunable: (symbol.ty.base == Base::Int || symbol.ty.base.is_float_based())
-                && (value.is_some() || symbol.init.is_empty() && symbol.value.is_some())
-                && (1..=MOST_NUMBERS).contains(&size)
-                && !symbol.ty.is_array(),
-            is_of_mesh: flag("lockgeom") == Some(0) || flag("interpolated") == Some(1),
-        }
+/// The parameter of a symbol, with the value that it was given.
+pub(crate) fn declared(symbol: &Symbol, value: Option<&Data>) -> Parameter {
+    let meta = |name: &str| symbol.meta.iter().find(|m| &*m.name == name).map(|m| &m.value);
+    let text = |name: &str| match meta(name) {
+        Some(Data::Str(list)) => list.first().map(ToString::to_string).unwrap_or_default(),
+        _ => String::new(),
+    };
+    let range = meta("min").and_then(number).zip(meta("max").and_then(number));
+    let flag = |name: &str| symbol.flag(name);
+    let size = symbol.ty.size();
+    let default = match value.or(symbol.value.as_ref()) {
+        Some(Data::Float(list)) => ParameterValue::Floats(list.clone()),
+        Some(Data::Int(list)) => ParameterValue::Ints(list.clone()),
+        Some(Data::Str(list)) => ParameterValue::Texts(list.iter().map(ToString::to_string).collect()),
+        None => match symbol.ty.base {
+            Base::Int => ParameterValue::Ints(vec![0; size]),
+            Base::String => ParameterValue::Texts(vec![String::new(); size]),
+            _ => ParameterValue::Floats(vec![0.0; size]),
+        },
+    };
+    Parameter {
+        name: symbol.name.to_string(),
+        ty: symbol.ty.to_string(),
+        default,
+        label: text("label"),
+        help: text("help"),
+        rate: text("rate"),
+        range: range.map(|(min, max)| [min, max]),
+        step: meta("step").or(meta("sensitivity")).and_then(number).filter(|&x| x > 0.0),
+        widget: text("widget"),
+        options: text("options"),
+        is_tunable: (symbol.ty.base == Base::Int || symbol.ty.base.is_float_based())
+            && (value.is_some() || symbol.init.is_empty() && symbol.value.is_some())
+            && (1..=MOST_NUMBERS).contains(&size)
+            && !symbol.ty.is_array(),
+        is_of_mesh: flag("lockgeom") == Some(0) || flag("interpolated") == Some(1),
     }
 }
 

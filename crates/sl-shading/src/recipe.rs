@@ -6,10 +6,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use gnurt_shading::script::ParameterValue;
 use gnurt_shading::texture::TextureSampler;
 
 use crate::access::Access;
-use crate::parameter::ParameterValue;
 use crate::script::Script;
 
 /// The parts of a [`Script`] but for its working space. Its numbers are no longer tunable.

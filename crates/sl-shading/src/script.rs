@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use gnurt_image::WorkingSpace;
+use gnurt_shading::script::{CameraFrame, Kind, Parameter, ParameterValue, document_and_node};
 use gnurt_shading::{
     AttributeRequest, CameraShader, ColorMap, DisplacementShader, EnvironmentShader, LightShader,
     PixelShader, SurfaceShader,
@@ -27,7 +28,7 @@ use gnurt_sl_lib::color::ColorSystem;
 
 use crate::access::Access;
 use crate::attributes::{self, CAMERA_PREFIX, PATH_PREFIX};
-use crate::camera::{CameraFrame, CameraScript};
+use crate::camera::CameraScript;
 use crate::changes::{each_op, gradients, read_changes, reads_bounces};
 use crate::displacement;
 use crate::faults::Faults;
@@ -37,7 +38,7 @@ use crate::light::ScriptLight;
 use crate::live::Live;
 use crate::mtlx;
 use crate::outputs::{Made, Outputs, Wanted};
-use crate::parameter::{self, Parameter, ParameterValue};
+use crate::parameter;
 use crate::pixel::{self, ScriptPixel};
 use crate::properties::{Properties, debug_tags};
 use crate::reader::Reader;
@@ -76,38 +77,6 @@ fn closure_outputs(shader: &Shader) -> Vec<(String, &'static str)> {
 /// Iterations of loops that a point may take.
 const ITERATIONS: u64 = 1 << 20;
 
-/// The kind of a script.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// The appearance of a surface: `surface` and `shader`.
-    Surface,
-    /// The offsets of a surface's vertices.
-    Displacement,
-    /// A light.
-    Light,
-    /// A camera.
-    Camera,
-    /// Radiance of rays that hit nothing.
-    Environment,
-    /// The colour of a pixel.
-    Pixel,
-}
-
-impl Kind {
-    /// The word in the language.
-    #[must_use]
-    pub const fn kind_name(self) -> &'static str {
-        match self {
-            Self::Surface => "surface",
-            Self::Displacement => "displacement",
-            Self::Light => "light",
-            Self::Camera => "camera",
-            Self::Environment => "environment",
-            Self::Pixel => "pixel",
-        }
-    }
-}
-
 /// A shader's file, compiled, with values.
 #[derive(Clone, Debug)]
 pub struct Script {
@@ -140,7 +109,7 @@ impl Script {
         if let Some(text) = library::text(path) {
             return Self::made(path, text, access, true);
         }
-        if let Some((file, node)) = mtlx::split(&path.to_string_lossy()) {
+        if let Some((file, node)) = document_and_node(&path.to_string_lossy()) {
             return Self::of_document(path, Path::new(file), node, None, access);
         }
         let text = access.text(path).map_err(|why| {
@@ -155,7 +124,7 @@ impl Script {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_text(path: &Path, text: &str, access: &Access) -> Result<Self, String> {
-        match mtlx::split(&path.to_string_lossy()) {
+        match document_and_node(&path.to_string_lossy()) {
             Some((file, node)) => Self::of_document(path, Path::new(file), node, Some(text), access),
             None => Self::made(path, text, access, false),
         }
@@ -352,7 +321,7 @@ impl Script {
         let settable = |ty: Type| ty.struct_id().is_none() && ty.base != Base::Closure;
         let all = layer.shader.params();
         all.filter(|(_, symbol)| symbol.kind == SymbolKind::Param && settable(symbol.ty))
-            .map(|(id, symbol)| Parameter::of(symbol, layer.values.get(&id)))
+            .map(|(id, symbol)| parameter::declared(symbol, layer.values.get(&id)))
             .collect()
     }
 

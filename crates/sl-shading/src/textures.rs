@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, RwLock};
 
 use gnurt_image::udim::{is_tiled, tile_at, tile_name, tiles};
-use gnurt_image::{Texels, read_data_texture, read_stored, read_texture};
-use gnurt_shading::mipmap::{Minify, MipMap};
+use gnurt_image::{read_data_texture, read_stored, read_texture};
+use gnurt_shading::script::sampler;
 use gnurt_shading::texture::{TextureSampler, Wrap};
 use gnurt_sl::exec::{DualRow, TextureOptions, lanes_of};
 use gnurt_sl::hir::Data;
@@ -285,14 +285,6 @@ impl Textures {
 /// A position with these values, and its own derivatives.
 fn moved(at: [Dual<f32>; 2], to: [f32; 2]) -> [Dual<f32>; 2] {
     std::array::from_fn(|k| Dual { value: to[k], ..at[k] })
-}
-
-/// As shaders read a picture, if they give no options.
-#[must_use]
-pub fn sampler(texels: Arc<Texels>) -> TextureSampler {
-    let mips = Arc::new(MipMap::new(texels.clone()));
-    let minify = Some((Minify::Ellipse, mips));
-    TextureSampler { wrap: [Wrap::Clamp; 2], minify, ..TextureSampler::new(texels) }
 }
 
 /// Whether values of this colour space are as they are stored.

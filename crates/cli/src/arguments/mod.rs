@@ -3,6 +3,9 @@
 //! docs/reference/cli.md. An option given twice: the last one wins. Values may start with a minus. Tests:
 //! `tests/program/arguments.rs`.
 
+#[cfg(all(test, feature = "bench"))]
+#[expect(dead_code, reason = "its tests run in programs with benchmarks, too")]
+mod absent_bench;
 #[cfg_attr(not(feature = "bench"), path = "absent_bench.rs")]
 mod bench;
 mod denoise;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The subcommands, one file each. Each has `run`, which takes its arguments and returns its outcome.
 
+#[cfg(all(test, feature = "bench"))]
+#[expect(dead_code, reason = "its tests run in programs with benchmarks, too")]
+mod absent_bench;
 mod band_rows;
 mod bands;
 #[cfg_attr(not(feature = "bench"), path = "absent_bench.rs")]
