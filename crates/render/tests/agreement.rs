@@ -233,7 +233,7 @@ fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>>
 }
 
 /// A sheet of the material seen from above, its mesh's front up or down, beside a matte wall that reaches above and below it.
-fn world(subject: &str, area_light: &str, up: f32, front: bool) -> World {
+fn world(subject: &str, area_light: &str, up: f32, front: bool, threads: &rayon::ThreadPool) -> World {
     let mut scene = Scene::new();
     let of_lobes = LOBES.into_iter().find(|&name| name == subject);
     let sheet = match of_lobes {
@@ -255,7 +255,7 @@ fn world(subject: &str, area_light: &str, up: f32, front: bool) -> World {
     let lights = plugin.into_iter().collect();
     let table = ShaderTable { lights, surfaces, ..ShaderTable::default() };
     let mut world = World::new();
-    world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+    world.commit(&scene, &table, &CommitOptions::default(), threads).expect("the scene is sound");
     world
 }
 
@@ -576,33 +576,40 @@ fn lobes_of_shading_languages_scatter_the_same_light() {
 
 /// Compares all subjects under all lights, by `spp` samples per pixel of paths.
 fn see_the_same(subjects: &[&'static str], lights: &[&'static str], spp: u32) {
-    let threads = pool(2);
-    let view = camera([0.5, -1.2, 2.2], [0.1, 0.0, 0.0], 28.0);
-    let by = |integrator, spp| RenderOptions { integrator, spp, vpls: 32, max_depth: 4, ..options(5, 5, 1) };
-    let mut groups: BTreeMap<String, Sums> = BTreeMap::new();
-    let mut mistakes = Vec::new();
+    let mut cases = Vec::new();
     for (subject, area_light) in subjects.iter().flat_map(|m| lights.iter().map(move |l| (*m, *l))) {
         let see_through =
             ["glass", "transmitting", "veil", "cut-out"].iter().any(|part| subject.contains(part));
         // A solid looks alike from both sides, but its light may be behind it.
-        let cases = [(1.0, true), (-1.0, false), (-1.0, true), (1.0, false)];
-        for (up, front) in cases.into_iter().take(if see_through { 4 } else { 2 }) {
-            let world = world(subject, area_light, up, front);
-            let (paths, paths_error) = mean_by(&world, &view, &by(Integrator::Path, spp), &threads);
-            for integrator in [Integrator::InstantRadiosity, Integrator::BidirectionalInstantRadiosity] {
-                let (found, error) = mean_by(&world, &view, &by(integrator, spp / 8), &threads);
-                let sums = Sums { found, paths, error: error + paths_error };
-                for group in [subject, area_light] {
-                    groups.entry(format!("{group}, {integrator}")).or_default().add(sums);
-                }
-                if sums.difference() > MOST_OF_A_PAIR {
-                    let side = if up > 0.0 { "before" } else { "behind" };
-                    let face = if front { "front" } else { "back" };
-                    mistakes.push(format!(
-                        "{subject}, {area_light} {side} it, seen from its {face}, {integrator}: {sums}"
-                    ));
-                }
-            }
+        let sides = [(1.0, true), (-1.0, false), (-1.0, true), (1.0, false)];
+        cases.extend(
+            sides.into_iter().take(if see_through { 4 } else { 2 }).map(|side| (subject, area_light, side)),
+        );
+    }
+    let view = camera([0.5, -1.2, 2.2], [0.1, 0.0, 0.0], 28.0);
+    let by = |integrator, spp| RenderOptions { integrator, spp, vpls: 32, max_depth: 4, ..options(5, 5, 1) };
+    let compared = side_by_side(cases.len(), |number, threads| {
+        let (subject, area_light, (up, front)) = cases[number];
+        let world = world(subject, area_light, up, front, threads);
+        let (paths, paths_error) = mean_by(&world, &view, &by(Integrator::Path, spp), threads);
+        [Integrator::InstantRadiosity, Integrator::BidirectionalInstantRadiosity].map(|integrator| {
+            let (found, error) = mean_by(&world, &view, &by(integrator, spp / 8), threads);
+            (integrator, Sums { found, paths, error: error + paths_error })
+        })
+    });
+    let mut groups: BTreeMap<String, Sums> = BTreeMap::new();
+    let mut mistakes = Vec::new();
+    let results = cases.iter().zip(compared).flat_map(|(case, both)| both.map(|one| (*case, one)));
+    for ((subject, area_light, (up, front)), (integrator, sums)) in results {
+        for group in [subject, area_light] {
+            groups.entry(format!("{group}, {integrator}")).or_default().add(sums);
+        }
+        if sums.difference() > MOST_OF_A_PAIR {
+            let side = if up > 0.0 { "before" } else { "behind" };
+            let face = if front { "front" } else { "back" };
+            mistakes.push(format!(
+                "{subject}, {area_light} {side} it, seen from its {face}, {integrator}: {sums}"
+            ));
         }
     }
     for (group, sums) in &groups {

@@ -191,9 +191,11 @@ fn small(spp: u32, caustics: Caustics) -> RenderOptions {
 }
 
 /// The mean of the picture and its standard error, over pictures of many seeds.
-fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: u64) -> [f64; 2] {
-    let mean_of = |seed| mean(&picture_of(of, &RenderOptions { seed: 100 + seed, ..options.clone() }, 2))[1];
-    let means: Vec<f64> = (0..seeds).map(mean_of).collect();
+fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: usize) -> [f64; 2] {
+    let means = side_by_side(seeds, |number, threads| {
+        let options = RenderOptions { seed: 100 + number as u64, ..options.clone() };
+        mean(&render(&of.0, &of.1, &options, threads, &Silent).expect("sound options").picture)[1]
+    });
     let n = seeds as f64;
     let all = means.iter().sum::<f64>() / n;
     let error = means.iter().map(|mean| (mean - all).powi(2)).sum::<f64>() / (n - 1.0) / n;
@@ -205,9 +207,10 @@ fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: u64) ->
 fn the_mean_is_that_of_scattered_rays() {
     for (has_ball, spheres) in [(true, false), (true, true), (false, false)] {
         let mut of = below_a_lamp(if has_ball { 0.8 } else { 0.3 }, has_ball, spheres);
-        let (width, height, samples, direct) = match has_ball {
-            true => (8, 8, [256, 128], 0.1),
-            false => (32, 24, [256, 32], 0.96),
+        // A pilot costs as much as 256 samples of each pixel, up to a limit: few pixels have few.
+        let (width, height, samples, seeds, direct) = match has_ball {
+            true => (8, 8, [512, 256], 6, 0.1),
+            false => (32, 24, [512, 32], 4, 0.96),
         };
         of.1 = match has_ball {
             true => camera([3.4, 1.9, 2.0], [1.15, 0.62, 0.0], 8.0),
@@ -215,7 +218,7 @@ fn the_mean_is_that_of_scattered_rays() {
         };
         let with = |spp, caustics| RenderOptions { width, height, ..small(spp, caustics) };
         let [off, off_error] = statistics(&of, &with(samples[0], Caustics::Off), 8);
-        let [on, on_error] = statistics(&of, &with(samples[1], Caustics::On), 12);
+        let [on, on_error] = statistics(&of, &with(samples[1], Caustics::On), seeds);
         let error = off_error.hypot(on_error);
         let [short, _] = statistics(&of, &RenderOptions { max_depth: 2, ..with(64, Caustics::Off) }, 2);
         assert!(short < direct * off, "there are caustics: {short} of {off} is direct");
@@ -266,9 +269,11 @@ fn virtual_lights_have_the_mean_of_paths() {
 /// Threads, levels, pieces and checkpoints.
 #[test]
 fn divided_pictures_have_the_same_bytes() {
-    let of = ball_and_bowl(true, false);
+    let (world, _) = ball_and_bowl(true, false);
+    // A strip over the ball and its caustic: three tiles, and few pixels for pilots.
+    let of = (world, camera([-3.0, -3.0, 3.0], [0.8, 0.4, 0.2], 3.0));
     for integrator in [Integrator::Path, Integrator::BidirectionalInstantRadiosity] {
-        let with = |caustics| RenderOptions { integrator, ..small(2, caustics) };
+        let with = |caustics| RenderOptions { integrator, width: 48, height: 2, ..small(4, caustics) };
         let whole = picture_of(&of, &with(Caustics::On), 1);
         let off = picture_of(&of, &with(Caustics::Off), 2);
         assert!(bits(&whole) != bits(&off), "searches are made");

@@ -83,12 +83,12 @@ fn integrators_agree() {
     let lamp = emitter(&mut scene, [4.0; 3]);
     put_mesh(&mut scene, quad([-3.0, -3.0, 8.0], [0.0, 6.0, 0.0], [6.0, 0.0, 0.0], lamp));
     let view = camera([0.0, -9.0, 6.0], [0.0, 0.0, 0.0], 50.0);
-    let by = |integrator| {
-        let options = gnurt_render::RenderOptions { integrator, ..options(32, 24, 128) };
+    let by = |integrator, spp| {
+        let options = gnurt_render::RenderOptions { integrator, vpls: 128, ..options(32, 24, spp) };
         mean(&frame(&scene, &view, &options).picture)
     };
-    let (path, bir) = (by(Integrator::Path), by(Integrator::BidirectionalInstantRadiosity));
+    let (path, bir) = (by(Integrator::Path, 128), by(Integrator::BidirectionalInstantRadiosity, 32));
     for k in 0..3 {
-        assert_close(bir[k], path[k], 2e-2, "bidirectional instant radiosity beside path tracing");
+        assert_close(bir[k], path[k], 1e-2, "bidirectional instant radiosity beside path tracing");
     }
 }

@@ -227,12 +227,14 @@ fn parts_by_virtual_lights_make_the_whole() {
     let of_paths =
         render(&world, &camera, &layered(words(&names), 128), &pool, &Silent).expect("sound").picture;
     for integrator in Integrator::ALL.into_iter().filter(|integrator| integrator.has_virtual_lights()) {
-        let plain = RenderOptions { integrator, vpls: 256, ..layered(Vec::new(), 32) };
-        let options = RenderOptions { light_layers: words(&names), ..plain.clone() };
-        let plain = render(&world, &camera, &plain, &pool, &Silent).expect("sound").picture;
-        let picture = render(&world, &camera, &options, &pool, &Silent).expect("sound").picture;
-        assert_eq!(picture.color, plain.color, "layers change no bit of the picture");
-        let off = off(&picture, &names.map(String::from), &whole_of(&plain));
+        let by = |light_layers: Vec<LightLayer>, spp| {
+            let options = RenderOptions { integrator, vpls: 128, ..layered(light_layers, spp) };
+            render(&world, &camera, &options, &pool, &Silent).expect("sound").picture
+        };
+        let [plain, few] = [Vec::new(), words(&names)].map(|layers| by(layers, 2));
+        assert_eq!(few.color, plain.color, "layers change no bit of the picture");
+        let picture = by(words(&names), 16);
+        let off = off(&picture, &names.map(String::from), &whole_of(&picture));
         assert!(off < 1e-5, "{integrator}: {off}");
         for name in names {
             let (found, expected) = (sum(&picture, name), sum(&of_paths, name));

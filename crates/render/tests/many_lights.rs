@@ -22,8 +22,7 @@ fn view(scene: &Scene, force_diffuse: bool) -> (World, SceneCamera) {
 }
 
 /// Means of tiles and channels, once for each of some independent renderings.
-fn tiles(view: &(World, SceneCamera), options: &RenderOptions, batches: u64) -> Vec<Vec<f64>> {
-    let threads = pool(2);
+fn tiles(view: &(World, SceneCamera), options: &RenderOptions, batches: usize) -> Vec<Vec<f64>> {
     let of_picture = |picture: &Picture| {
         let mut means = vec![0.0; ((SIZE / TILE) * (SIZE / TILE) * 3) as usize];
         for y in 0..SIZE {
@@ -37,12 +36,11 @@ fn tiles(view: &(World, SceneCamera), options: &RenderOptions, batches: u64) -> 
         }
         means
     };
-    (0..batches)
-        .map(|seed| {
-            let options = RenderOptions { seed: 1000 + seed, width: SIZE, height: SIZE, ..options.clone() };
-            of_picture(&render(&view.0, &view.1, &options, &threads, &Silent).expect("sound options").picture)
-        })
-        .collect()
+    side_by_side(batches, |number, threads| {
+        let seed = 1000 + number as u64;
+        let options = RenderOptions { seed, width: SIZE, height: SIZE, ..options.clone() };
+        of_picture(&render(&view.0, &view.1, &options, threads, &Silent).expect("sound options").picture)
+    })
 }
 
 /// Mean and squared standard error of a value over batches.

@@ -108,18 +108,19 @@ fn errors(found: &[[f32; 4]], expected: &[[f32; 4]]) -> [f32; 2] {
 
 #[test]
 fn remembered_light_is_that_of_fresh_pictures() {
-    for integrator in
-        [Integrator::Path, Integrator::BidirectionalInstantRadiosity, Integrator::InstantRadiosity]
-    {
-        // As many pixels are traced in both cases.
-        for stride in [1, 2] {
-            let share = MotionShare { fresh: 0.125, stride };
+    // As many pixels are traced in both cases.
+    for stride in [1, 2] {
+        let share = MotionShare { fresh: 0.125, stride };
+        let [width, height] = SIZE.map(|side| side * stride);
+        let last = 30;
+        let by = |integrator| RenderOptions { width, height, ..options(integrator) };
+        let expected = Moving::new(2).rendered(&by(Integrator::Path), last);
+        for integrator in
+            [Integrator::Path, Integrator::BidirectionalInstantRadiosity, Integrator::InstantRadiosity]
+        {
             let mut moving = Moving::new(2);
-            let [width, height] = SIZE.map(|side| side * stride);
-            let options = RenderOptions { width, height, ..options(integrator) };
-            let last = 30;
-            let found = (0..=last).map(|step| moving.view_of(&options, step, share)).last();
-            let [mean, off] = errors(&found.expect("pictures"), &moving.rendered(&options, last));
+            let found = (0..=last).map(|step| moving.view_of(&by(integrator), step, share)).last();
+            let [mean, off] = errors(&found.expect("pictures"), &expected);
             eprintln!("{integrator}, {share:?}: mean {mean}, blocks off by {off}");
             assert!((mean - 1.0).abs() < 0.03 && off < 0.12, "{integrator}, {share:?}: {mean}, {off}");
         }

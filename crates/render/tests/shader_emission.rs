@@ -201,7 +201,7 @@ fn even_lamps_shine_as_their_shaders_say() {
         let scene = scratch(Material::of("lamp", Surface::Shader(0)), is_up);
         let [said, found] = [true, false].map(|says| world_with(&scene, Sided { sides, says }));
         for integrator in ALL {
-            let options = RenderOptions { integrator, max_depth: 4, vpls: 64, ..options(4, 4, 64) };
+            let options = RenderOptions { integrator, max_depth: 4, vpls: 64, ..options(4, 4, 16) };
             let (said, found) = (measured(&said, &options), measured(&found, &options));
             assert!(said > 0.1, "{integrator}, {sides:?}: {said}");
             assert_close(said, found, 1e-3, &format!("{integrator}, {sides:?}: as by the shader"));
@@ -246,7 +246,7 @@ fn lamps_may_let_light_through() {
         let table = ShaderTable { surfaces: vec![Arc::new(shader)], environment, ..ShaderTable::default() };
         let mut world = World::new();
         world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
-        let options = RenderOptions { integrator, max_depth: 2, vpls: 256, ..options(4, 4, 1024) };
+        let options = RenderOptions { integrator, max_depth: 2, vpls: 16, ..options(4, 4, 1024) };
         mean(&render(&world, view, &options, &pool(1), &Silent).expect("sound options").picture)[0]
     };
     let on_floor = camera([0.1, -1.5, 0.8], [0.4, -0.1, 0.0], 0.01);

@@ -3,7 +3,7 @@
 //! with closures under the same lights.
 
 use std::f32::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use crate::common::*;
 use glam::Vec3;
@@ -129,10 +129,11 @@ fn view(by: By, white: f32, is_far: bool) -> (World, SceneCamera) {
 
 /// Means of four parts of the picture and three channels, and their standard errors.
 fn parts((world, camera): &(World, SceneCamera), options: &RenderOptions) -> Vec<[f64; 2]> {
-    const BATCHES: u64 = 10;
-    let batch = |seed| {
+    const BATCHES: usize = 10;
+    let batch = |number: usize, threads: &rayon::ThreadPool| {
+        let seed = 100 + number as u64;
         let options = RenderOptions { seed, width: SIZE, height: SIZE, max_depth: 5, ..options.clone() };
-        let picture = render(world, camera, &options, &pool(2), &Silent).expect("sound options").picture;
+        let picture = render(world, camera, &options, threads, &Silent).expect("sound options").picture;
         let mut means = vec![0.0; 12];
         for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
             let part = (2 * y / SIZE * 2 + 2 * x / SIZE) as usize;
@@ -141,7 +142,7 @@ fn parts((world, camera): &(World, SceneCamera), options: &RenderOptions) -> Vec
         }
         means
     };
-    let batches: Vec<Vec<f64>> = (100..100 + BATCHES).map(batch).collect();
+    let batches: Vec<Vec<f64>> = side_by_side(BATCHES, batch);
     (0..12)
         .map(|i| {
             let n = BATCHES as f64;
@@ -167,10 +168,18 @@ fn by(integrator: Integrator, spp: u32) -> RenderOptions {
     RenderOptions { integrator, spp, vpls: 48, pixel_centres: true, ..RenderOptions::default() }
 }
 
+/// The scene of materials by paths.
+fn by_paths(is_far: bool) -> Vec<[f64; 2]> {
+    parts(&view(By::Materials, 1.0, is_far), &by(Integrator::Path, 64))
+}
+
+/// Below the near lamp, for several tests.
+static NEAR: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| by_paths(false));
+
 #[test]
 fn shaders_show_what_materials_show() {
     for is_far in [false, true] {
-        let paths = parts(&view(By::Materials, 1.0, is_far), &by(Integrator::Path, 64));
+        let paths = if is_far { &by_paths(true) } else { &*NEAR };
         let variants =
             [(By::Materials, 1.0), (By::Shaders, 1.0), (By::Shaders, 1.0 / PI), (By::Both, 1.0 / PI)];
         for (integrator, variants) in ALL.into_iter().zip([&variants[..], &variants[1..2], &variants[2..3]]) {
@@ -180,7 +189,7 @@ fn shaders_show_what_materials_show() {
                 let placement = if is_far { "far away" } else { "near" };
                 assert_same(
                     &found,
-                    &paths,
+                    paths,
                     &format!("{integrator}, a lamp {placement}: {offset:?}, white shows {white}"),
                 );
             }
@@ -227,11 +236,10 @@ fn lamps_may_show_more_than_they_emit() {
 /// Whatever the bound leaves to rays comes back.
 #[test]
 fn the_bound_takes_nothing_away() {
-    let expected = parts(&view(By::Materials, 1.0, false), &by(Integrator::Path, 64));
     let shaders = view(By::Shaders, 1.0, false);
     for (clamp, spp) in [(0.0, 40), (0.3, 8), (30.0, 8)] {
         let options = RenderOptions { clamp: Some(clamp), ..by(Integrator::InstantRadiosity, spp) };
-        assert_same(&parts(&shaders, &options), &expected, &format!("bound {clamp}"));
+        assert_same(&parts(&shaders, &options), &NEAR, &format!("bound {clamp}"));
     }
 }
 

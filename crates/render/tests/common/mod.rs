@@ -2,6 +2,9 @@
 //! Small scenes and pictures for the tests of this crate.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of it")]
 
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 pub mod chains;
 mod divided;
 
@@ -16,6 +19,28 @@ use gnurt_shading::SurfaceShader;
 /// A pool of this many threads.
 pub fn pool(threads: usize) -> rayon::ThreadPool {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started")
+}
+
+/// The results of several jobs, in order. Two threads work side by side, each in a pool of its own: pictures of a few pixels
+/// take up to three times as long if threads divide each of them.
+pub fn side_by_side<T: Send>(count: usize, one: impl Fn(usize, &rayon::ThreadPool) -> T + Sync) -> Vec<T> {
+    let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || {
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+        let alone = alone.expect("a pool of this thread");
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= count {
+                return;
+            }
+            let result = one(number, &alone);
+            results.lock().expect("no panic").push((number, result));
+        }
+    };
+    std::thread::scope(|scope| (0..2).for_each(|_| _ = scope.spawn(work)));
+    let mut results = results.into_inner().expect("no panic");
+    results.sort_by_key(|&(number, _)| number);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
 /// A parallelogram from `corner` along two edges; its normal is `a x b`.
