@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::Vec3;
 use gnurt_render::{Integrator, RenderOptions, Silent, World, render};
-use gnurt_scene::{Affine, Material, MaterialId, Mesh, Primitives, Scene, Surface};
+use gnurt_scene::{Affine, Material, Scene, Surface};
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{SurfaceBatch, SurfaceShader};
 
@@ -22,15 +22,6 @@ const CENTER: [f32; 3] = [0.6, -0.3, 1.2];
 const RADIUS: f32 = 0.4;
 /// The visible point of the floor.
 const SPOT: [f32; 3] = [0.1, 0.2, 0.0];
-
-fn ball(center: [f32; 3], radius: f32, material: MaterialId) -> Mesh {
-    Mesh {
-        positions: vec![center],
-        primitives: Primitives::Spheres(vec![radius]),
-        material,
-        ..Default::default()
-    }
-}
 
 /// The mean of a small picture of that point.
 fn measured(world: &World, options: &RenderOptions) -> f64 {

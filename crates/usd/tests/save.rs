@@ -33,7 +33,7 @@ fn scene() -> Scene {
     scene.add_light(Light::Directional {
         direction: [0.0, -1.0, 0.0],
         irradiance: [2.0, 1.0, 0.5],
-        angle: 0.0,
+        angle: 0.1,
     });
     scene.add_light(Light::Environment {
         radiance: [0.25; 3],
@@ -78,13 +78,14 @@ fn both_forms_come_back() {
         assert!(a.shift.iter().zip(b.shift).all(|(a, b)| (a - b).abs() < 1e-5), "{name}: {:?}", b.shift);
         let [
             Light::Point { intensity, .. },
-            Light::Directional { direction, irradiance, angle: 0.0 },
+            Light::Directional { direction, irradiance, angle },
             Light::Environment { radiance, .. },
         ] = after.lights()
         else {
             panic!("{name}: {:?}", after.lights())
         };
         assert!((intensity[0] - 4.0).abs() < 1e-4 && (irradiance[0] - 2.0).abs() < 1e-5, "{name}");
+        assert!((angle - 0.1).abs() < 1e-5, "{name}: {angle}");
         assert!(direction[1] < -0.999 && *radiance == [0.25; 3], "{name}: {direction:?} {radiance:?}");
         assert_eq!(after.material(new.material).name, "a_red_one", "{name}");
     }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub use divided::*;
 use gnurt_image::Picture;
 use gnurt_render::{CommitOptions, Frame, RenderOptions, SceneCamera, ShaderTable, Silent, World, render};
-use gnurt_scene::{Affine, Camera, Light, Material, MaterialId, Mesh, Scene};
+use gnurt_scene::{Affine, Camera, Light, Material, MaterialId, Mesh, Primitives, Scene};
 use gnurt_shading::SurfaceShader;
 
 /// A pool of this many threads.
@@ -77,6 +77,16 @@ pub fn sphere(centre: [f32; 3], radius: f32, rings: u32, material: MaterialId) -
         }
     }
     mesh
+}
+
+/// A sphere that is one primitive.
+pub fn ball(center: [f32; 3], radius: f32, material: MaterialId) -> Mesh {
+    Mesh {
+        positions: vec![center],
+        primitives: Primitives::Spheres(vec![radius]),
+        material,
+        ..Default::default()
+    }
 }
 
 /// Adds an object of one mesh where it stands.

@@ -73,7 +73,7 @@ impl DirectionalLight {
     /// covers, radians, from 0 to pi.
     #[must_use]
     pub fn new(direction: Vec3, irradiance: Vec3, angle: f32) -> Option<Self> {
-        let sin_half = (0.5 * angle.clamp(0.0, std::f32::consts::PI)).sin();
+        let sin_half = if angle > 0.0 { (0.5 * angle.min(std::f32::consts::PI)).sin() } else { 0.0 };
         Some(Self { towards: -direction.try_normalize()?, irradiance, sin_half })
     }
 

@@ -36,6 +36,7 @@ pub(super) fn write(light: &Light, name: &str, files: &[String], text: &mut Text
             write_transform(&towards(*direction, [0.0; 3]), text);
             write_strength(*irradiance, 1.0, text);
             text.line(format_args!("float inputs:angle = {}", angle.to_degrees()));
+            text.line("bool inputs:normalize = true");
             text.close();
         }
         Light::Environment { radiance, texture, world_from_light } => {
