@@ -252,15 +252,19 @@ fn auto_begins_late_and_only_where_it_pays() {
     assert!(frame.stats.guide.is_none(), "no pilot for few samples");
     assert!(bits(&frame.picture) == bits(&picture_of(&room, &off, 2)), "and the same bits");
 
-    // A floor under a sky: light samples find all of its light.
-    let mut scene = floor(0.5, 5.0);
-    scene.add_light(environment([0.2, 0.3, 0.5]));
-    let open = (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0));
-    let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(24, 18, from + 1, guiding));
-    let frame = render(&open.0, &open.1, &auto, &pool(2), &Silent).expect("sound");
-    let guide = frame.stats.guide.expect("there was a pilot");
-    assert!(!guide.is_on, "it does not pay: {guide}");
-    assert!(bits(&frame.picture) == bits(&picture_of(&open, &off, 2)), "the bits of unguided paths");
+    // A floor under a sky, and one under a lamp: light samples find all of their light.
+    let [mut under_sky, mut under_lamp] = [(); 2].map(|()| floor(0.5, 5.0));
+    under_sky.add_light(environment([0.2, 0.3, 0.5]));
+    let lamp = emitter(&mut under_lamp, [6.0, 5.0, 4.0]);
+    put_mesh(&mut under_lamp, quad([-1.0, -1.0, 2.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], lamp));
+    for scene in [under_sky, under_lamp] {
+        let open = (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0));
+        let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(24, 18, from + 1, guiding));
+        let frame = render(&open.0, &open.1, &auto, &pool(2), &Silent).expect("sound");
+        let guide = frame.stats.guide.expect("there was a pilot");
+        assert!(!guide.is_on, "it does not pay: {guide}");
+        assert!(bits(&frame.picture) == bits(&picture_of(&open, &off, 2)), "the bits of unguided paths");
+    }
 }
 
 /// Long paths in a white box would store five million vertices.

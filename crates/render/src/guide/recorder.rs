@@ -47,6 +47,12 @@ impl Recorder {
         self.vertices.len() as u32
     }
 
+    /// The density by lobes alone of the unit direction `dir`, if the last vertex of a trail chose it.
+    pub(crate) fn pdf_of_lobes(&self, trail: u32, dir: Vec3) -> Option<f32> {
+        let last = self.vertices.get((trail as usize).wrapping_sub(1))?;
+        (last.dir == dir).then_some(last.pdf_of_lobes)
+    }
+
     /// Drops vertices that no light came to: they teach nothing. Trails end.
     pub(crate) fn drop_dark(&mut self) {
         self.vertices.retain(|vertex| vertex.light > 0.0 && vertex.light.is_finite());

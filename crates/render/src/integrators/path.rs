@@ -27,7 +27,7 @@ use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
     Blockers, Known, LightQuery, Offer, Path, Wavefront, add, media, panes, query_plugin_lights, shadow_ray,
-    weigh_environment,
+    unguided_share, weigh_environment,
 };
 use crate::world::HitLanes;
 
@@ -356,7 +356,8 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefro
             wavefront.seen.add(path.lane, light, (path.scattered, path.edges));
         }
         if let Some(recorder) = &mut wavefront.recorder {
-            recorder.found(path.trail, light);
+            let share = unguided_share(recorder, &path, dir, |path| weigh_environment(lights, path, dir));
+            recorder.found(path.trail, light * share);
         }
         if let Some(ledger) = &mut wavefront.ledger {
             let end = ledger.paths.classes.background();

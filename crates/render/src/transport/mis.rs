@@ -9,7 +9,8 @@ use glam::Vec3;
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::real::Real;
 
-use super::paths::Path;
+use super::paths::{Origin, Path};
+use crate::guide::Recorder;
 
 /// Weight of a sample with density `own` if another technique has density `other`; of one point or of many.
 #[inline(always)]
@@ -58,6 +59,20 @@ pub(crate) fn weigh_environment(lights: &LightSet, path: &Path, dir: Vec3) -> f3
         lights.pdf_environment(origin.p, origin.ns, dir)
     };
     power_heuristic(origin.pdf, pdf)
+}
+
+/// The ratio of two weights of light that a path's ray along `dir` found: had its direction been chosen by lobes alone, over that which it has.
+/// A guide learns the light that paths without it would find beside light samples, not light that only its pilot finds that often.
+pub(crate) fn unguided_share(
+    recorder: &Recorder,
+    path: &Path,
+    dir: Vec3,
+    weight: impl Fn(&Path) -> f32,
+) -> f32 {
+    let (Some(origin), Some(pdf)) = (path.from, recorder.pdf_of_lobes(path.trail, dir)) else { return 1.0 };
+    let now = weight(path);
+    let by_lobes = weight(&Path { from: Some(Origin { pdf, ..origin }), ..*path });
+    if now > 0.0 { by_lobes / now } else { 1.0 }
 }
 
 /// Whether a vertex that a path reached by this number of edges samples each group of lights: only the first, because its

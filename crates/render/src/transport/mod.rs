@@ -32,7 +32,7 @@ use gnurt_shading::Vec3s;
 
 pub(crate) use light_samples::{LightQuery, Offer, query_plugin_lights, sampling_normal, shadow_ray};
 pub(crate) use links::Blockers;
-pub(crate) use mis::weigh_environment;
+pub(crate) use mis::{unguided_share, weigh_environment};
 pub(crate) use paths::{Path, Wavefront};
 pub(crate) use through::Through;
 pub(crate) use vertex::{Known, Vertex};

@@ -16,7 +16,7 @@ use gnurt_shading::{Bounces, Leaving, RayKind, SurfaceBatch, Vec3s};
 
 use super::links::LinkedPaths;
 use super::manifold::{self, Caustics, Chain, SmoothPoint};
-use super::mis::{most_light_samples, power_heuristic, weigh};
+use super::mis::{most_light_samples, power_heuristic, unguided_share, weigh};
 use super::paths::{Boundary, NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::{LightRequests, Width, for_each_light_sample};
 use super::{add, opacity, roulette};
@@ -231,7 +231,9 @@ impl Met<'_> {
             let found = self.counted(found, lights, &path, (k, onward.linked.as_deref()));
             let light = add(onward.radiance, path.lane, path.throughput * found, path.edges, clamp);
             if let Some(recorder) = &mut onward.recorder {
-                recorder.found(path.trail, light);
+                let (ids, p, dir) = (self.ids(k), self.points.p.get(k), self.points.ray_dir.get(k));
+                let share = unguided_share(recorder, &path, dir, |path| weigh(lights, path, ids, p, dir));
+                recorder.found(path.trail, light * share);
             }
             if let Some(seen) = onward.seen.as_mut().filter(|_| !self.is_final) {
                 seen.add(path.lane, light, (path.scattered, path.edges));
