@@ -9,8 +9,8 @@ use gnurt_scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{
-    Affine, Camera, Lens, Material, Member, Mesh, Object, Primitives, Projection, RayMask, Scene, Surface,
-    TextureId,
+    Affine, Camera, Lens, Light, Material, Member, Mesh, Object, Primitives, Projection, RayMask, Scene,
+    Surface, TextureId,
 };
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
@@ -517,7 +517,8 @@ fn what_is_lost_is_told() {
         "rotation of a texture",
         "alpha cutoff",
     ];
-    let gltf = ["bump map", "base colour above 1"];
+    scene.add_light(Light::Directional { direction: [0.0, -1.0, 0.0], irradiance: [1.0; 3], angle: 0.1 });
+    let gltf = ["bump map", "base colour above 1", "angle of a directional light"];
     for (name, own) in [("a.obj", &obj[..]), ("a.gltf", &gltf)] {
         let (_, lines, _) = reported(&scene, name);
         for text in both.iter().chain(own) {

@@ -324,7 +324,8 @@ class Scene(_Scene):
         """The number of a new light.
 
         "point" (position, intensity), "spot" (and direction, inner_angle, outer_angle), "directional" (direction, irradiance,
-        angle of its disc),        "environment" (radiance, or picture=FILE, texture=NUMBER, sky="day", "evening", "overcast", or shader=, parameters=, textures=;
+        angle of its disc),
+        "environment" (radiance, or picture=FILE, texture=NUMBER, sky="day", "evening", "overcast", or shader=, parameters=, textures=;
         turn, up). Angles are in degrees.
         """
         return self._add_light(kind, properties)
