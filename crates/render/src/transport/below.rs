@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Walks below surfaces: their state, and their steps.
-//! Source: [CKB16]; distances are drawn for one channel, weighted by the mean density of all channels [WND*14].
+//! Source: [CKB16]; steps are drawn for one channel, by the plain densities or outwards (`half_space`), and weighted by
+//! the mean density of all channels and both kinds [WND*14].
 //! Numbers of the first four events are stratified over a pixel's samples.
 //! `subsurface` begins and ends walks. Space: world. Tests: crates/render/tests/subsurface.rs.
 
@@ -11,6 +12,7 @@ use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::phase::Phase;
 
 use super::flight::Random;
+use super::half_space::HalfSpace;
 use crate::world::HitLanes;
 
 /// Scattering events of one walk, at most: further light is lost. Of a white body that is 1 %.
@@ -30,13 +32,18 @@ pub(super) struct Walk {
     pub(super) key: SampleKey,
     pub(super) org: Vec3,
     pub(super) dir: Vec3,
-    /// The part of the ray up to the next event that it has yet to go; an empty one begins at 0.
+    /// The part of the ray up to the next event that it has yet to go.
     pub(super) span: [f32; 2],
     pub(super) throughput: Vec3,
     pub(super) albedo: Vec3,
     pub(super) extinction: Vec3,
     pub(super) phase: Phase<f32>,
     pub(super) events: u32,
+    /// Below the surface where it entered, and the share of directions and distances that are drawn as light gets out of that.
+    pub(super) space: HalfSpace,
+    pub(super) outward_share: f32,
+    /// The densities of the direction in that half space over that of the phase function, by channel.
+    pub(super) ratio: Vec3,
 }
 
 /// The walks of one step.
@@ -82,30 +89,60 @@ impl Walk {
         self.throughput.element_sum()
     }
 
-    /// The distance to the next event, drawn for a channel that is chosen by its light.
-    pub(super) fn distance(&self, random: &mut Random) -> f32 {
-        let mut rest = random.next() * self.light();
+    /// The channel and the kind of densities of the next direction and distance: those of the half space, or the plain ones.
+    fn choose(&self, random: &mut Random) -> (usize, bool) {
+        let u = random.next();
+        let leads_out = u < self.outward_share;
+        let u = if leads_out {
+            u / self.outward_share
+        } else {
+            (u - self.outward_share) / (1.0 - self.outward_share)
+        };
+        let mut rest = u * self.light();
         let mut channel = 0;
         while channel < 2 && rest >= self.throughput[channel] {
             rest -= self.throughput[channel];
             channel += 1;
         }
-        let distance = -(1.0 - random.next()).ln() / self.extinction[channel];
+        (channel, leads_out)
+    }
+
+    /// Chooses the distance to the first event.
+    pub(super) fn begin(&mut self, random: &mut Random) {
+        let choice = self.choose(random);
+        self.set_distance(choice, random.next());
+    }
+
+    fn set_distance(&mut self, (channel, leads_out): (usize, bool), u: f32) {
+        let stretch = if leads_out { self.space.stretch(self.dir)[channel] } else { 1.0 };
+        let distance = -(1.0 - u).ln() / (self.extinction[channel] * stretch);
         // A ray of no length would miss a surface that is there.
-        distance.clamp(f32::MIN_POSITIVE, f32::MAX)
+        self.span = [0.0, distance.clamp(f32::MIN_POSITIVE, f32::MAX)];
+    }
+
+    /// The light after a way of `t` without an event, or, with the extinctions there, with one at its end: over the mean
+    /// density of all channels and both kinds.
+    fn carried(&self, t: f32, end: Option<Vec3>) -> Vec3 {
+        let stretch = self.space.stretch(self.dir);
+        let mut plain = (-self.extinction * t).exp();
+        let mut outwards = self.ratio * (-self.extinction * stretch * t).exp();
+        if let Some(extinction) = end {
+            plain *= extinction;
+            outwards *= extinction * stretch;
+        }
+        let density = self.throughput.dot(plain + (outwards - plain) * self.outward_share);
+        self.throughput * plain * (self.light() / density.max(f32::MIN_POSITIVE))
     }
 
     /// Accounts for a way of `t` without an event.
     pub(super) fn pass(&mut self, t: f32) {
-        let passed = self.throughput * (-self.extinction * t).exp();
-        self.throughput = passed * (self.light() / passed.element_sum().max(f32::MIN_POSITIVE));
+        self.throughput = self.carried(t, None);
     }
 
     /// Goes to the next event and is scattered there; returns whether the walk goes on.
     pub(super) fn is_scattered(&mut self, random: &mut Random) -> bool {
         let t = self.span[1];
-        let met = self.throughput * self.extinction * (-self.extinction * t).exp();
-        self.throughput = met * self.albedo * (self.light() / met.element_sum().max(f32::MIN_POSITIVE));
+        self.throughput = self.carried(t, Some(self.extinction)) * self.albedo;
         self.events += 1;
         if self.events >= CERTAIN_EVENTS {
             let keep = self.throughput.max_element().min(1.0);
@@ -115,11 +152,20 @@ impl Walk {
             self.throughput /= keep;
         }
         self.org += self.dir * t;
-        // One lobe: nothing to choose.
-        let u = [0.0, random.next(), random.next()];
-        self.dir = Vec3::from(self.phase.sample(self.dir.into(), u).0);
-        self.span = [0.0; 2];
-        self.events < MOST_EVENTS && self.light() > 0.0 && self.throughput.is_finite()
+        if !(self.events < MOST_EVENTS && self.light() > 0.0 && self.throughput.is_finite()) {
+            return false;
+        }
+        let (choice, distance) = (self.choose(random), random.next());
+        let [x, y] = [random.next(), random.next()];
+        let before = self.dir;
+        self.dir = match choice {
+            (channel, true) => self.space.sample(channel, [x, y]),
+            // One lobe: nothing to choose.
+            (_, false) => Vec3::from(self.phase.sample(before.into(), [0.0, x, y]).0),
+        };
+        self.ratio = self.space.density(self.dir) / self.phase.value_of(before, self.dir);
+        self.set_distance(choice, distance);
+        true
     }
 }
 

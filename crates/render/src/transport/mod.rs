@@ -7,6 +7,7 @@ pub(crate) mod absorption;
 mod below;
 mod equiangular;
 mod flight;
+mod half_space;
 mod light_samples;
 pub(crate) mod links;
 pub(crate) mod manifold;

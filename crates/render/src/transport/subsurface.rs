@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Walks of paths below surfaces, from where they enter to where they leave, many at a time.
-//! Source: [CKB16]. Scattering below is even within a body; its albedo is that of a thick body's colour by [KC17]. A walk
+//! Source: [CKB16], guided outwards as in [KD14]. Scattering below is even within a body; its albedo is that of a thick body's colour by [KC17]. A walk
 //! meets only the surfaces of the object that it entered, whatever lies in it, and leaves by a white Lambertian
 //! reflector. `below` has the steps of walks.
 //! Space: world. Invariant: the result of a path depends on its ray and key only. Entry and exit are one vertex: walks
@@ -17,6 +17,7 @@ use gnurt_shading::sampling::{Basis, cosine_hemisphere, purpose, sample_pair};
 
 use super::below::{Walk, Walks};
 use super::flight::Random;
+use super::half_space::HalfSpace;
 use super::opacity;
 use super::paths::Paths;
 use super::step::is_hole;
@@ -60,7 +61,8 @@ impl Walks {
             let ray = points.spawn(k, dir, f32::INFINITY);
             let phase = Phase { anisotropy: [entry.anisotropy, 0.0], second_share: 0.0 };
             let albedo = entry.albedo.to_array().map(|color| single_albedo(color, entry.anisotropy));
-            let walk = Walk {
+            let albedo = Vec3::from(albedo);
+            let mut walk = Walk {
                 number,
                 leaf: points.leaf_id[k],
                 key,
@@ -68,13 +70,18 @@ impl Walks {
                 dir,
                 span: [0.0; 2],
                 throughput: path.throughput * entry.weight,
-                albedo: albedo.into(),
+                albedo,
                 extinction: entry.radius.recip(),
                 phase,
                 events: 0,
+                space: HalfSpace::new(points.facing_ng(k), albedo),
+                outward_share: outward_share(entry.anisotropy),
+                ratio: Vec3::ONE,
             };
+            let mut random = Random::of_walk(options.seed, key, path.edges);
+            walk.begin(&mut random);
             self.has_begun = true;
-            self.list.push((walk, Random::of_walk(options.seed, key, path.edges)));
+            self.list.push((walk, random));
         }
     }
 
@@ -91,10 +98,7 @@ impl Walks {
         while !list.is_empty() {
             rays.clear();
             keys.clear();
-            for (walk, random) in list.iter_mut() {
-                if walk.span[0] >= walk.span[1] {
-                    walk.span = [0.0, walk.distance(random)];
-                }
+            for (walk, _) in list.iter() {
                 let [near, far] = walk.span;
                 rays.push(Ray::new(walk.org.into(), walk.dir.into()).within(near, far));
                 keys.push(walk.key);
@@ -145,6 +149,13 @@ impl Walks {
         );
         tracer.closures = own;
     }
+}
+
+/// The share of steps that are drawn outwards: as noisy with three quarters where scattering is even. Where light is
+/// scattered forwards, few, for directions of the half space fit less.
+fn outward_share(anisotropy: f32) -> f32 {
+    let even = 1.0 - anisotropy.abs();
+    0.5 * even * even
 }
 
 /// A direction into the body: with the density of the cosine, or bent by the index of refraction.
