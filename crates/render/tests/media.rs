@@ -208,6 +208,36 @@ fn lamps_near_a_ray_light_its_medium() {
     }
 }
 
+/// A lamp next to a ray and a brighter one farther from it: wherever a place is drawn, a flight that ends near the first does not count much.
+#[test]
+fn two_lamps_near_a_ray_light_its_medium() {
+    let (sigma, albedo, lights) = ([0.1, 0.2, 0.4], 0.8, [([0.05, 0.0, 3.0], 1.0), ([0.0, 2.0, 4.0], 40.0)]);
+    let mut scene = Scene::new();
+    let wall = matte(&mut scene, [0.0; 3]);
+    put_mesh(&mut scene, quad([-50.0, -50.0, 6.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], wall));
+    for (position, intensity) in lights {
+        scene.add_light(Light::Point {
+            position: position.map(|x| x as f32),
+            intensity: [intensity as f32; 3],
+        });
+    }
+    scene.add_medium(Medium {
+        absorption: sigma.map(|s| (s * (1.0 - albedo)) as f32),
+        scattering: sigma.map(|s| (s * albedo) as f32),
+        extent: EVERYWHERE,
+        ..Medium::default()
+    });
+    let world = world_of(&scene, false);
+    let found = seen(&world, [0.0; 3], [0.0, 0.0, 1.0], &path(1 << 12, 2));
+    let one = |(at, intensity): ([f64; 3], f64)| {
+        single(sigma, albedo, 0.0, (at, false), 6.0).map(|x| x * intensity)
+    };
+    let [near_one, far_one] = lights.map(one);
+    near(found, [0, 1, 2].map(|c| near_one[c] + far_one[c]), 0.01, "both");
+    let noise = spread(&world, &path(64, 2));
+    assert!(noise < 0.2, "{noise}");
+}
+
 /// A body of a medium that absorbs nothing, under the same light from everywhere, is not to be seen.
 #[test]
 fn furnaces_are_even() {

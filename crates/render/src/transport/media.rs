@@ -19,7 +19,7 @@ use gnurt_shading::{Leaving, Rays, SampleKey, SurfaceBatch, Vec3s};
 use super::flight::{Parts, Random};
 use super::medium_vertices::{MediumVertex, MediumVertices};
 use super::mis::{most_light_samples, power_heuristic};
-use super::near_lamps::NearLamp;
+use super::near_lamps::NearLamps;
 use super::paths::{Of, Paths, Scattered};
 use super::step::Onward;
 use super::width::{LightRequests, Width, for_each_light_sample};
@@ -137,9 +137,9 @@ pub(crate) fn fly(
         }
         let length = if hits.prim_id[i] == INVALID_ID { f32::INFINITY } else { hits.t[i] };
         let way = (org, dir, length);
-        let mut lamp = NearLamp::of((world, options), &parts, &path, way);
-        if let Some(lamp) = &mut lamp {
-            lamp.add(world, &parts, (i as u32, org, dir), lamps);
+        let mut near = NearLamps::of((world, options), &parts, &path, way);
+        if let Some(near) = &mut near {
+            near.add(world, &parts, (i as u32, org, dir), lamps);
         }
         let mut random = Random::of_edge(options.seed, key, path.edges);
         let flight = parts.fly(length, path.throughput, &mut random);
@@ -158,7 +158,7 @@ pub(crate) fn fly(
         // No hit, and no miss either.
         (hits.prim_id[i], hits.t[i]) = (INVALID_ID, t);
         let (phase, p, throughput) = (media.get(number).phase, org + dir * t, flight.throughput);
-        let share = lamp.map_or(1.0, |lamp| lamp.share_of_flight(&parts, t));
+        let share = near.map_or(1.0, |near| near.share_of_flight(&parts, t));
         vertices.push((i as u32, key), &MediumVertex { p, along: dir, phase, throughput, share });
     }
 }

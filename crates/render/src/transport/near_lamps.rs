@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Places in media where light of near lamps is sampled, in addition to the ends of flights.
-//! Source: [KF12] (equiangular sampling), [VG95] (both combined by the power heuristic). For each edge one lamp is drawn first.
-//! A flight that ends at a place has the density f there, and the lamp's angles e: light samples there count f^2 / (f^2 + e^2)
-//! and e^2 / (f^2 + e^2). The farther the lamp is, the less often the second is drawn, by which e is less. Directions of the phase
-//! function keep their weights, since only ends of flights have them.
+//! Source: [KF12] (equiangular sampling), [VG95] (both combined by the power heuristic). For each edge some lamps are drawn
+//! first. A flight that ends at a place has the density f there, and the mean of the lamps' angles e: light samples there count
+//! f^2 / (f^2 + e^2) and e^2 / (f^2 + e^2). The farther a lamp is, the less often its place is drawn, by which e is less.
+//! Directions of the phase function keep their weights, since only ends of flights have them.
 //! Space: world. Tests: crates/render/tests/media.rs.
 
 use glam::Vec3;
@@ -19,23 +19,25 @@ use crate::options::RenderOptions;
 use crate::world::World;
 
 /// Lamps nearer than this share of the scale of the density along the ray are sampled each time.
-const ALWAYS: f32 = 0.25;
+const ALWAYS: f32 = 0.5;
 /// The lamps' branch of a key.
 const BRANCH: u32 = 0x6c61_6d70;
 
-/// The distances along an edge by the angles of a lamp.
-pub(super) struct NearLamp<'a> {
-    angles: Equiangular,
-    /// The probability that a place is drawn.
-    chance: f32,
+/// Lamps that are drawn for an edge, one of them for its place. With one alone flights near the others kept their whole weight.
+const LAMPS: usize = 3;
+
+/// The distances along an edge by the angles of lamps.
+pub(super) struct NearLamps<'a> {
+    /// Each with the probability that a place is drawn by it.
+    lamps: [Option<(Equiangular, f32)>; LAMPS],
     throughput: Vec3,
     random: Random,
     seed: u64,
     path: &'a Path,
 }
 
-impl<'a> NearLamp<'a> {
-    /// That of a path's edge up to `length`; `None` if no lamp is near.
+impl<'a> NearLamps<'a> {
+    /// Those of a path's edge up to `length`; `None` if no lamp is near.
     pub(super) fn of(
         (world, options): (&World, &RenderOptions),
         parts: &Parts,
@@ -53,30 +55,42 @@ impl<'a> NearLamp<'a> {
         let span = parts.scattering_span(length)?;
         let mut random = Random::of_lamp(options.seed, path.key, path.edges);
         let mut numbers = || random.next();
-        let (u, choice) = (numbers(), [numbers(), numbers(), numbers()]);
         let (reach, mean) = (span[1] - span[0], parts.mean_distance());
-        // Lamps are chosen as from a place on the ray: as flights end, or evenly.
-        let away = match mean.is_finite() {
-            true => -mean * (1.0 - u * (1.0 - (-reach / mean).exp())).ln(),
-            false => reach * u,
-        };
-        let from = org + dir * (span[0] + away.min(reach));
-        let lamp = lights.near_place(from, choice)?;
-        let angles = Equiangular::new((org, dir), lamp, span)?;
         // Light of farther lamps changes less along the ray than density does.
         let scale = mean.min(reach);
-        let closeness = ALWAYS * scale / angles.closest(span);
-        let chance = (closeness * closeness).min(1.0);
-        let is_near = angles.closest(span) < scale;
-        is_near.then_some(Self { angles, chance, throughput, random, seed: options.seed, path })
+        let lamp = |u: f32, choice: [f32; 3]| {
+            // Chosen as from a place on the ray: as flights end, or evenly.
+            let away = match mean.is_finite() {
+                true => -mean * (1.0 - u * (1.0 - (-reach / mean).exp())).ln(),
+                false => reach * u,
+            };
+            let from = org + dir * (span[0] + away.min(reach));
+            let angles = Equiangular::new((org, dir), lights.near_place(from, choice)?, span)?;
+            let closest = angles.closest(span);
+            let closeness = ALWAYS * scale / closest;
+            (closest < scale).then_some((angles, (closeness * closeness).min(1.0) / LAMPS as f32))
+        };
+        let [u, choice] = [numbers(), numbers()];
+        let lamps = std::array::from_fn(|k| {
+            // Both numbers in parts of their own, the second in another order.
+            let part = |first: f32, k: usize| ((k as f32 + first) / LAMPS as f32).min(1.0_f32.next_down());
+            lamp(part(u, k), [part(choice, (k + 1) % LAMPS), numbers(), numbers()])
+        });
+        let is_near = lamps.iter().any(Option::is_some);
+        is_near.then_some(Self { lamps, throughput, random, seed: options.seed, path })
+    }
+
+    /// The density of places at `t`.
+    fn density(&self, t: f32) -> f32 {
+        self.lamps.iter().flatten().map(|(angles, chance)| chance * angles.density(t)).sum()
     }
 
     /// The share of light samples at the end of a flight.
     pub(super) fn share_of_flight(&self, parts: &Parts, t: f32) -> f32 {
-        power_heuristic(parts.density(t, self.throughput), self.chance * self.angles.density(t))
+        power_heuristic(parts.density(t, self.throughput), self.density(t))
     }
 
-    /// Adds a place near the lamp for a light sample.
+    /// Adds a place near a lamp for a light sample.
     pub(super) fn add(
         &mut self,
         world: &World,
@@ -84,13 +98,17 @@ impl<'a> NearLamp<'a> {
         (number, org, dir): (u32, Vec3, Vec3),
         vertices: &mut MediumVertices,
     ) {
-        if self.random.next() >= self.chance {
-            return;
-        }
         let key = self.path.key;
-        let [u, _] = sample_pair(self.seed, key, self.path.edges, purpose::LAMP_DISTANCE);
-        let t = self.angles.sample(u);
-        let density = self.chance * self.angles.density(t);
+        let [u, choice] = sample_pair(self.seed, key, self.path.edges, purpose::LAMP_DISTANCE);
+        let mut rest = choice;
+        let Some((angles, _)) = self.lamps.iter().flatten().find(|(_, chance)| {
+            rest -= chance;
+            rest < 0.0
+        }) else {
+            return;
+        };
+        let t = angles.sample(u);
+        let density = self.density(t);
         let share = power_heuristic(density, parts.density(t, self.throughput));
         if !(t.is_finite() && t >= 0.0 && share > 0.0) {
             return;

@@ -16,8 +16,8 @@ impl LightSet {
         self.parts.finite_count() > 0
     }
 
-    /// A place on a light that is likely to matter at `p`, by three numbers in [0, 1): one for the choice, two for the position.
-    /// `None` if no light has a position. Lamps count whatever side of them `p` sees.
+    /// Where a light that is likely to matter at `p` sends its light from: a place on it, or the middle of a sphere. By three
+    /// numbers in [0, 1): one for the choice, two for the place. `None` if no light has a position. Lamps count whatever side of them `p` sees.
     #[must_use]
     pub fn near_place(&self, p: Vec3, [choice, x, y]: [f32; 3]) -> Option<Vec3> {
         let shape = |light: u32| self.parts.shapes.as_ref().and_then(|all| all.shapes.get(light as usize));
@@ -39,7 +39,7 @@ impl LightSet {
         };
         let (light, _) = self.near.tree.choose(p, Vec3::ZERO, choice, brightness)?;
         if let Some(shape) = shape(light) {
-            return Some(shape.point(shape.place([x, y])));
+            return Some(shape.origin([x, y]));
         }
         match self.kind(LightId(light)) {
             LightKind::Point(i) => Some(self.parts.points[i as usize].position),

@@ -176,6 +176,11 @@ impl Shape {
         self.outline().place(u)
     }
 
+    /// The point whose distance its light goes by: the middle of a sphere, else a place by two numbers in [0, 1).
+    pub(super) fn origin(&self, u: [f32; 2]) -> Vec3 {
+        self.radius().map_or_else(|| self.point(self.place(u)), |_| self.p[0])
+    }
+
     /// The place on a sphere of a point near it.
     pub(super) fn place_of(&self, p: Vec3) -> Option<[f32; 2]> {
         let normal = (p - self.p[0]).normalize_or(Vec3::Z);
