@@ -76,9 +76,10 @@ pub(crate) fn unguided_share(
 }
 
 /// Whether a vertex that a path reached by this number of edges samples each group of lights: only the first, because its
-/// noise is seen most, and longer paths would send more rays for less.
+/// noise is seen most, and longer paths would send more rays for less; each if that is one group.
 pub(crate) fn splits(lights: &LightSet, edges: u32) -> bool {
-    edges == 1 && !lights.split_groups().is_empty()
+    let groups = lights.split_groups().len();
+    groups == 1 || groups > 1 && edges == 1
 }
 
 /// How many lights a vertex samples at most.

@@ -51,12 +51,14 @@ impl LightSet {
     }
 
     /// The groups that are sampled one by one at vertices which are worth a ray to each; none where there is but one, or many.
-    /// A sky that is nearly the same on all sides is not worth one.
+    /// A sky that is nearly the same on all sides is not worth one: what is left may be one group, whose samples would only be
+    /// noisier if a few of them were the sky's.
     #[must_use]
     pub fn split_groups(&self) -> std::ops::Range<usize> {
         let is_even = self.parts.environment.as_ref().is_some_and(|sky| sky.unevenness() < WORTH_A_RAY);
         let groups = usize::from(self.near.tree.is_empty())..self.group_count() - usize::from(is_even);
-        if (2..=MOST_SPLIT).contains(&groups.len()) { groups } else { 0..0 }
+        let least = if is_even { 1 } else { 2 };
+        if (least..=MOST_SPLIT).contains(&groups.len()) { groups } else { 0..0 }
     }
 
     /// Chooses a group by a number in [0, 1); `None` if none contributes.

@@ -280,7 +280,8 @@ fn groups_are_chosen_by_contribution() {
         environment: Some(EnvironmentLight::Constant(Arc::new(ConstantEnvironment { radiance: Vec3::ONE }))),
         ..LightParts::default()
     });
-    assert_eq!(lights.split_groups(), 0..0, "no light has a position, and the sky is not worth a ray");
+    assert_eq!(lights.split_groups(), 1..2, "no light has a position, and the sky is not worth a ray");
+    assert_eq!(lights.pdf_environment_in_group(Vec3::Z, Vec3::Z), 0.0, "it is left to scattered rays");
     let sky = |n| lights.group_share(2, Vec3::ZERO, n);
     // A twentieth of the sky; the sun, and a sixteenth of it below the horizon.
     for (normal, sun) in [(Vec3::Z, 3.0), (-Vec3::Z, 3.0 / 16.0)] {
