@@ -238,6 +238,33 @@ fn two_lamps_near_a_ray_light_its_medium() {
     assert!(noise < 0.2, "{noise}");
 }
 
+/// A thin medium before a wall, lit from the side: most flights pass it, and bring light nevertheless.
+#[test]
+fn thin_media_are_lit_by_flights_that_pass() {
+    let (sigma, albedo, radius) = ([0.02, 0.04, 0.08], 0.8, 7.0);
+    let mut scene = Scene::new();
+    let wall = matte(&mut scene, [0.0; 3]);
+    put_mesh(&mut scene, quad([-50.0, -50.0, 6.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], wall));
+    scene.add_light(Light::Directional { direction: [-1.0, 0.0, 0.0], irradiance: [1.0; 3], angle: 0.0 });
+    scene.add_medium(Medium {
+        absorption: sigma.map(|s| (s * (1.0 - albedo)) as f32),
+        scattering: sigma.map(|s| (s * albedo) as f32),
+        extent: Extent::Around { centre: [0.0; 3], radius: radius as f32 },
+        ..Medium::default()
+    });
+    let world = world_of(&scene, false);
+    let found = seen(&world, [0.0; 3], [0.0, 0.0, 1.0], &path(1 << 10, 2));
+    let expected = sigma.map(|s| {
+        let steps = 1000;
+        let at = |k: u32| (f64::from(k) + 0.5) / f64::from(steps) * 6.0;
+        let lit = |t: f64| (-s * (t + (radius * radius - t * t).sqrt())).exp();
+        s * albedo / (4.0 * PI) * (0..steps).map(|k| lit(at(k))).sum::<f64>() * 6.0 / f64::from(steps)
+    });
+    near(found, expected, 0.005, "lit from the side");
+    let noise = spread(&world, &path(64, 2));
+    assert!(noise < 0.03, "{noise}");
+}
+
 /// A body of a medium that absorbs nothing, under the same light from everywhere, is not to be seen.
 #[test]
 fn furnaces_are_even() {

@@ -265,6 +265,13 @@ impl Parts<'_> {
         1.0 / (even.sum::<Vec3>().element_sum() / 3.0)
     }
 
+    /// The extinction up to `length`, if it is even, and all that is there scatters.
+    pub(super) fn even_extinction(&self, length: f32) -> Option<Vec3> {
+        let (extinction, end, is_even) = self.stretch(0.0);
+        let scatters = self.even(0.0).0 != Vec3::ZERO;
+        (is_even && scatters && end >= length && extinction.min_element() > 0.0).then_some(extinction)
+    }
+
     /// Extinction and scattering coefficients at `t`.
     fn coefficients(&self, t: f32) -> [Vec3; 2] {
         self.0.iter().fold([Vec3::ZERO; 2], |[extinction, scattering], part| {

@@ -16,6 +16,7 @@ use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, Rays, SampleKey, SurfaceBatch, Vec3s};
 
+use super::certain_flight::CertainFlight;
 use super::flight::{Parts, Random};
 use super::medium_vertices::{MediumVertex, MediumVertices};
 use super::mis::{most_light_samples, power_heuristic};
@@ -137,9 +138,12 @@ pub(crate) fn fly(
         }
         let length = if hits.prim_id[i] == INVALID_ID { f32::INFINITY } else { hits.t[i] };
         let way = (org, dir, length);
+        let takes_light = path.edges < options.max_depth;
+        let certain = CertainFlight::of(&parts, &path, length).filter(|_| takes_light);
+        let scattered = certain.as_ref().map_or(1.0, CertainFlight::chance);
         let mut near = NearLamps::of((world, options), &parts, &path, way);
         if let Some(near) = &mut near {
-            near.add(world, &parts, (i as u32, org, dir), lamps);
+            near.add(world, (&parts, scattered), (i as u32, org, dir), lamps);
         }
         let mut random = Random::of_edge(options.seed, key, path.edges);
         let flight = parts.fly(length, path.throughput, &mut random);
@@ -154,11 +158,18 @@ pub(crate) fn fly(
             }
         }
         paths.throughput.set(i, flight.throughput);
-        let Some((t, number)) = flight.scattered else { continue };
+        let Some((t, number)) = flight.scattered else {
+            if let Some(certain) = certain {
+                let from = (&path, i as u32, org, dir);
+                certain.add((world, options.seed), (&parts, near.as_ref()), from, lamps);
+            }
+            continue;
+        };
         // No hit, and no miss either.
         (hits.prim_id[i], hits.t[i]) = (INVALID_ID, t);
         let (phase, p, throughput) = (media.get(number).phase, org + dir * t, flight.throughput);
-        let share = near.map_or(1.0, |near| near.share_of_flight(&parts, t));
+        let density = || parts.density(t, path.throughput) / scattered;
+        let share = scattered * near.map_or(1.0, |near| near.share_of_flight(density(), t));
         vertices.push((i as u32, key), &MediumVertex { p, along: dir, phase, throughput, share });
     }
 }

@@ -5,6 +5,7 @@
 
 pub(crate) mod absorption;
 mod below;
+mod certain_flight;
 mod equiangular;
 mod flight;
 mod half_space;

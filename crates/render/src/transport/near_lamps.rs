@@ -85,16 +85,16 @@ impl<'a> NearLamps<'a> {
         self.lamps.iter().flatten().map(|(angles, chance)| chance * angles.density(t)).sum()
     }
 
-    /// The share of light samples at the end of a flight.
-    pub(super) fn share_of_flight(&self, parts: &Parts, t: f32) -> f32 {
-        power_heuristic(parts.density(t, self.throughput), self.density(t))
+    /// The share of light samples at the end of a flight of this density.
+    pub(super) fn share_of_flight(&self, density: f32, t: f32) -> f32 {
+        power_heuristic(density, self.density(t))
     }
 
-    /// Adds a place near a lamp for a light sample.
+    /// Adds a place near a lamp for a light sample; `scattered` is the chance that counts for flights that are.
     pub(super) fn add(
         &mut self,
         world: &World,
-        parts: &Parts,
+        (parts, scattered): (&Parts, f32),
         (number, org, dir): (u32, Vec3, Vec3),
         vertices: &mut MediumVertices,
     ) {
@@ -109,7 +109,7 @@ impl<'a> NearLamps<'a> {
         };
         let t = angles.sample(u);
         let density = self.density(t);
-        let share = power_heuristic(density, parts.density(t, self.throughput));
+        let share = power_heuristic(density, parts.density(t, self.throughput) / scattered);
         if !(t.is_finite() && t >= 0.0 && share > 0.0) {
             return;
         }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Light of even media that flights pass: where a flight goes through, a place is drawn as if it had been scattered for certain.
+//! Source: forced collisions [SG69]. A flight is scattered with the probability q; its end then counts q for light samples,
+//! and so does the place that is drawn where it is not: each flight brings one light sample, and that chance makes no noise.
+//! Space: world. Tests: crates/render/tests/media.rs.
+
+use glam::Vec3;
+use gnurt_shading::SampleKey;
+use gnurt_shading::sampling::{hash_combine, purpose, sample_pair};
+
+use super::flight::{Parts, Random};
+use super::medium_vertices::{MediumVertex, MediumVertices};
+use super::near_lamps::NearLamps;
+use super::paths::Path;
+use crate::world::World;
+
+/// The branch of the places' keys.
+const BRANCH: u32 = 0x7061_7373;
+
+/// Flights along one edge, if they are scattered.
+pub(super) struct CertainFlight {
+    /// Of the one even medium along it.
+    extinction: Vec3,
+    /// By channel, the light of the path and the part of it that is scattered.
+    shares: Vec3,
+    scattered: Vec3,
+}
+
+impl CertainFlight {
+    /// Those of a path's edge of a finite length, in one even medium.
+    pub(super) fn of(parts: &Parts, path: &Path, length: f32) -> Option<Self> {
+        let extinction = parts.even_extinction(length)?;
+        let shares = path.throughput / path.throughput.element_sum();
+        let scattered = Vec3::ONE - (-extinction * length).exp();
+        let is_sound = length.is_finite() && shares.is_finite() && shares.dot(scattered) > 0.0;
+        is_sound.then_some(Self { extinction, shares, scattered })
+    }
+
+    /// The probability that a flight is scattered.
+    pub(super) fn chance(&self) -> f32 {
+        self.shares.dot(self.scattered)
+    }
+
+    /// A distance, by two numbers in [0, 1).
+    fn sample(&self, [choice, u]: [f32; 2]) -> f32 {
+        let lit = self.shares * self.scattered;
+        let mut rest = choice * lit.element_sum();
+        let mut channel = 0;
+        while channel < 2 && rest >= lit[channel] {
+            rest -= lit[channel];
+            channel += 1;
+        }
+        -(1.0 - u * self.scattered[channel]).ln() / self.extinction[channel]
+    }
+
+    /// Adds the place of a flight that was not scattered, for a light sample.
+    pub(super) fn add(
+        &self,
+        (world, seed): (&World, u64),
+        (parts, near): (&Parts, Option<&NearLamps>),
+        (path, number, org, dir): (&Path, u32, Vec3, Vec3),
+        vertices: &mut MediumVertices,
+    ) {
+        let t = self.sample(sample_pair(seed, path.key, path.edges, purpose::CERTAIN_DISTANCE));
+        let density = parts.density(t, path.throughput) / self.chance();
+        let mut random = Random::of_lamp(seed, path.key, path.edges);
+        let Some((weight, medium)) = parts.goes_to(t, path.throughput, &mut random) else { return };
+        if !(density > 0.0 && density.is_finite()) {
+            return;
+        }
+        let key = SampleKey { branch: hash_combine(path.key.branch, BRANCH), ..path.key };
+        let (phase, throughput) = (world.media().get(medium).phase, weight / density);
+        let share = near.map_or(1.0, |near| near.share_of_flight(density, t));
+        vertices
+            .push((number, key), &MediumVertex { p: org + dir * t, along: dir, phase, throughput, share });
+    }
+}
