@@ -119,6 +119,13 @@ impl Cache {
         self.slots.lock().map_or(0, |slots| slots.len())
     }
 
+    /// Waits until all groups that it has now have their code, or it is known that there is none.
+    pub fn wait(&self) {
+        let slots: Vec<Slot> =
+            self.slots.lock().map_or_else(|_| Vec::new(), |slots| slots.values().cloned().collect());
+        slots.iter().for_each(|slot| _ = slot.one.wait());
+    }
+
     /// The code of a group: found, or made by a thread from now on. Few threads make all code, one group after the other.
     #[must_use]
     pub fn start(&self, plan: Arc<Plan>, level: Level) -> Job {

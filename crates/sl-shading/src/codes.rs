@@ -34,6 +34,11 @@ impl Codes {
         self.0.count()
     }
 
+    /// Waits until all groups of shaders that have been called have their code: the interpreter runs them no more.
+    pub fn wait(&self) {
+        self.0.wait();
+    }
+
     pub(crate) fn cache(&self) -> &Cache {
         &self.0
     }

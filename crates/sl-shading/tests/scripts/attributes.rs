@@ -10,7 +10,7 @@ use gnurt_shading::{
     AttributeRequest, CameraProjection, CameraProperties, CameraSamples, SceneNames, SurfaceBatch,
     SurfaceShader,
 };
-use gnurt_sl_shading::CameraFrame;
+use gnurt_sl_shading::{CameraFrame, Codes};
 
 use super::floor::{floor, script, surface};
 
@@ -31,7 +31,7 @@ fn emitted(shader: &dyn SurfaceShader, hits: &SurfaceBatch) -> Vec3 {
         out.emission(hits.len() - 1)
     };
     let first = shine();
-    std::thread::sleep(std::time::Duration::from_millis(100));
+    Codes::default().wait();
     assert_eq!(first, shine(), "code and interpreter");
     first
 }

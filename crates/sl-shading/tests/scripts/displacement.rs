@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use gnurt_shading::{AttributeRequest, DisplacementShader, Vec3s};
-use gnurt_sl_shading::{Access, Kind, Script};
+use gnurt_sl_shading::{Access, Codes, Kind, Script};
 
 use crate::floor::{floor, script};
 use crate::kinds::emitted;
@@ -14,11 +14,9 @@ use crate::kinds::emitted;
 pub(crate) fn offsets(script: &Script) -> Vec<[f32; 3]> {
     let shader = script.displacement().expect("not too large").expect("a displacement");
     let interpreted = offsets_by(&*shader);
-    // Machine code takes over after a while, with the same values.
-    for _ in 0..20 {
-        std::thread::sleep(std::time::Duration::from_millis(5));
-        assert_eq!(offsets_by(&*shader), interpreted, "machine code");
-    }
+    // Machine code takes over, with the same values.
+    Codes::default().wait();
+    assert_eq!(offsets_by(&*shader), interpreted, "machine code");
     interpreted
 }
 

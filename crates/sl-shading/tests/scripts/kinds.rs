@@ -8,7 +8,7 @@ use gnurt_shading::{
     AttributeRequest, Bounces, CameraSamples, LightBatch, RayKind, RayRequest, SampleKey, SurfaceBatch,
     SurfaceShader, Tracer, Vec3s,
 };
-use gnurt_sl_shading::{CameraFrame, Kind, ParameterValue};
+use gnurt_sl_shading::{CameraFrame, Codes, Kind, ParameterValue};
 
 use super::floor::{Probe, floor, script, surface};
 
@@ -94,8 +94,10 @@ fn surfaces_know_their_velocity() {
     // By component, then by point.
     let velocity = (0..60).map(|i| i as f32).collect();
     hits.attributes = vec![vec![0.5; 20], vec![2.0; 20], velocity];
-    for wait in [0, 150] {
-        std::thread::sleep(std::time::Duration::from_millis(wait));
+    for by_code in [false, true] {
+        if by_code {
+            Codes::default().wait();
+        }
         for (i, found) in emitted(&*shader, &hits).into_iter().enumerate() {
             let i = i as f32;
             assert_eq!(found, Vec3::new(2.0 * i, 2.0 * (20.0 + i), 2.0 * (40.0 + i) + 0.5), "point {i}");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use gnurt_shading::{OutputKind, SurfaceShader, Vec3s};
-use gnurt_sl_shading::{Access, Script};
+use gnurt_sl_shading::{Access, Codes, Script};
 
 use super::floor::{floor, script};
 
@@ -14,7 +14,7 @@ fn values(shader: &dyn SurfaceShader, name: &str) -> Vec<Vec3> {
     let hits = floor(37);
     let [mut first, mut then] = [(); 2].map(|()| Vec3s::splat(37, Vec3::ZERO));
     shader.output(name, &hits, &mut first);
-    std::thread::sleep(std::time::Duration::from_millis(150));
+    Codes::default().wait();
     shader.output(name, &hits, &mut then);
     let [first, then] = [first, then].map(|list| (0..37).map(|i| list.get(i)).collect::<Vec<_>>());
     assert_eq!(first, then, "code: {name}");

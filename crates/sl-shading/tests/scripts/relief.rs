@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::{Picture, WriteOptions};
 use gnurt_shading::{SurfaceBatch, SurfaceShader, Vec3s};
-use gnurt_sl_shading::{Access, Script};
+use gnurt_sl_shading::{Access, Codes, Script};
 
 use super::floor::floor;
 use super::kinds::emitted;
@@ -50,7 +50,7 @@ fn open(folder: &Path, body: &str) -> Arc<dyn SurfaceShader> {
 fn lights(folder: &Path, body: &str, hits: &SurfaceBatch) -> [Vec<Vec3>; 2] {
     let shader = open(folder, body);
     let first = emitted(&*shader, hits);
-    std::thread::sleep(std::time::Duration::from_millis(100));
+    Codes::default().wait();
     [first, emitted(&*shader, hits)]
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::{Picture, PictureFormat, WriteOptions};
 use gnurt_shading::{SurfaceBatch, SurfaceShader};
-use gnurt_sl_shading::{Access, Script};
+use gnurt_sl_shading::{Access, Codes, Script};
 
 use super::floor::floor;
 use super::kinds::emitted;
@@ -43,7 +43,7 @@ fn open(folder: &Path, body: &str) -> Arc<dyn SurfaceShader> {
 fn lights_at(folder: &Path, body: &str, points: &[[f32; 2]]) -> Vec<Vec3> {
     let (shader, hits, count) = (open(folder, body), hits(points), points.len());
     let first = emitted(&*shader, &hits);
-    std::thread::sleep(std::time::Duration::from_millis(150));
+    Codes::default().wait();
     assert_eq!(first, emitted(&*shader, &hits), "code: {body}");
     assert_eq!(first[..count], first[4 * count..5 * count], "all lanes: {body}");
     first[..count].to_vec()
