@@ -24,7 +24,7 @@ fn with(spp: u32, max_depth: u32, caustics: Caustics) -> RenderOptions {
 /// Radiance near the origin, seen from just above.
 fn measured(world: &World, options: &RenderOptions) -> f64 {
     let view = camera([0.01, 0.0, 0.05], [0.0; 3], 0.01);
-    mean(&render(world, &view, options, &pool(2), &Silent).expect("sound options").picture)[0]
+    mean(&render(world, &view, options, &pool(1), &Silent).expect("sound options").picture)[0]
 }
 
 fn mirror(scene: &mut Scene) -> MaterialId {
@@ -210,7 +210,7 @@ fn the_mean_is_that_of_scattered_rays() {
         // A pilot costs as much as 256 samples of each pixel, up to a limit: few pixels have few.
         let (width, height, samples, seeds, direct) = match has_ball {
             true => (8, 8, [512, 256], 6, 0.1),
-            false => (32, 24, [512, 32], 4, 0.96),
+            false => (16, 12, [1024, 48], 4, 0.96),
         };
         of.1 = match has_ball {
             true => camera([3.4, 1.9, 2.0], [1.15, 0.62, 0.0], 8.0),
@@ -248,16 +248,16 @@ fn virtual_lights_have_the_mean_of_paths() {
         let with = |integrator, caustics, spp| RenderOptions {
             integrator,
             vpls: 32,
-            width: 12,
-            height: 9,
+            width: 8,
+            height: 6,
             ..small(spp, caustics)
         };
         let path = if is_point { Caustics::On } else { Caustics::Off };
         let [path, path_error] =
-            statistics(&of, &with(Integrator::Path, path, if is_point { 64 } else { 384 }), 4);
-        let [none, _] = statistics(&of, &with(VIRTUAL[1], Caustics::Off, 16), 3);
+            statistics(&of, &with(Integrator::Path, path, if is_point { 144 } else { 864 }), 4);
+        let [none, _] = statistics(&of, &with(VIRTUAL[1], Caustics::Off, 36), 3);
         for integrator in if is_point { &VIRTUAL[..] } else { &VIRTUAL[1..2] } {
-            let [found, error] = statistics(&of, &with(*integrator, Caustics::On, 24), 6);
+            let [found, error] = statistics(&of, &with(*integrator, Caustics::On, 48), 6);
             let error = error.hypot(path_error);
             assert!(error < 0.035 * path, "enough samples to tell: {integrator} {found} within {error}");
             assert!((found - path).abs() < 3.0 * error, "{integrator} {found}, paths {path}, error {error}");

@@ -50,7 +50,7 @@ fn searches_sum_all_ways_of_light() {
             ..options(1, 1, SAMPLES)
         };
         let found =
-            mean(&render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture)[0];
+            mean(&render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture)[0];
         if ways.is_empty() {
             assert_eq!(found, 0.0, "no way leads to {p:?}");
         } else {

@@ -38,7 +38,7 @@ fn shaders(all: &[Move]) -> ShaderTable {
 }
 
 fn commit(world: &mut World, scene: &Scene, table: &ShaderTable) -> CommitReport {
-    world.commit(scene, table, &CommitOptions::default(), &pool(2)).expect("the scene is sound")
+    world.commit(scene, table, &CommitOptions::default(), &pool(1)).expect("the scene is sound")
 }
 
 fn world(scene: &Scene, table: &ShaderTable) -> World {
@@ -270,7 +270,7 @@ fn shutters_instances_and_edits_follow() {
     turned.normals.iter_mut().for_each(|n| *n = [n[2], n[1], -n[0]]);
     let keys = vec![mesh, Arc::new(turned)];
     let exposure = Exposure { meshes: vec![(MeshId(0), keys)], ..Exposure::default() };
-    let (mut world, pool, how) = (World::new(), pool(2), CommitOptions::default());
+    let (mut world, pool, how) = (World::new(), pool(1), CommitOptions::default());
     let none = ShaderTable::default();
     world.commit_exposed(&scene, &exposure, &none, &how, &pool).expect("sound");
     let down = Ray::new([0.3, 0.4, 5.0], [0.0, 0.0, -1.0]);

@@ -59,8 +59,8 @@ fn shown(
     scene.edit_material(MaterialId(0)).surface = Surface::Shader(0);
     let table = ShaderTable { surfaces: vec![shader], ..ShaderTable::default() };
     let mut world = World::new();
-    world.commit(&scene, &table, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
-    render(&world, &camera(eye, target, fov), options, &pool(2), &Silent).expect("sound options").picture
+    world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+    render(&world, &camera(eye, target, fov), options, &pool(1), &Silent).expect("sound options").picture
 }
 
 type View = ([f32; 3], [f32; 3], f32);

@@ -73,9 +73,10 @@ fn room(panel: f32) -> (World, SceneCamera) {
 
 /// The mean of the picture, its standard error, and the mean of the variance of pixels, over pictures of many seeds.
 fn statistics(of: &(World, SceneCamera), options: &RenderOptions, seeds: u64) -> [f64; 3] {
-    let pictures: Vec<Picture> = (0..seeds)
-        .map(|seed| picture_of(of, &RenderOptions { seed: 100 + seed, ..options.clone() }, 2))
-        .collect();
+    let pictures: Vec<Picture> = side_by_side(seeds as usize, |number, threads| {
+        let options = RenderOptions { seed: 100 + number as u64, ..options.clone() };
+        render(&of.0, &of.1, &options, threads, &Silent).expect("sound options").picture
+    });
     let n = seeds as f64;
     let means: Vec<f64> = pictures.iter().map(|picture| mean(picture)[1]).collect();
     let all = means.iter().sum::<f64>() / n;
@@ -153,7 +154,7 @@ fn fog_keeps_its_mean_and_its_noise_falls() {
 /// Light samples in fog are weighed by the density of the mixture, too.
 #[test]
 fn skies_around_fog_count_once() {
-    variances_of_one_mean(&fog_below_lamp(2.0), |guiding| path(32, 32, 64, guiding), (8, 0.01));
+    variances_of_one_mean(&fog_below_lamp(2.0), |guiding| path(32, 32, 64, guiding), (4, 0.01));
 }
 
 #[test]
@@ -162,7 +163,7 @@ fn fog_in_furnaces_stays_white() {
     scene.add_light(environment([1.0; 3]));
     let (world, view) = (world_of(&scene, false), camera([0.0, -2.5, 0.3], [0.0; 3], 40.0));
     let options = RenderOptions { max_depth: 1000, ..path(24, 24, 64, Guiding::On) };
-    let frame = render(&world, &view, &options, &pool(2), &Silent).expect("sound options");
+    let frame = render(&world, &view, &options, &pool(1), &Silent).expect("sound options");
     assert_close(mean(&frame.picture)[0], 1.0, 3e-3, "all light is scattered on");
     let guide = frame.stats.guide.expect("it was asked for");
     assert!(guide.is_on && guide.cells > 0, "something was learned: {guide}");
@@ -187,7 +188,7 @@ fn a_shining_box_is_a_geometric_series() {
     let world = world_of(&scene, true);
     for edges in [2, 5] {
         let options = RenderOptions { max_depth: edges, ..path(16, 16, 64, Guiding::On) };
-        let found = mean(&render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture)[0];
+        let found = mean(&render(&world, &view, &options, &pool(1), &Silent).expect("sound").picture)[0];
         let expected = radiance * (1.0 - rho.powi(edges as i32)) / (1.0 - rho);
         assert_close(found, expected, 5e-3, &format!("{edges} edges"));
     }
@@ -230,7 +231,7 @@ fn auto_has_the_same_bytes_pass_by_pass() {
     let room = room_below_glass();
     let from = path(70, 45, 1, Guiding::Auto).guided_from().expect("it is asked for");
     let options = path(70, 45, from + 2, Guiding::Auto);
-    let frame = render(&room.0, &room.1, &options, &pool(2), &Silent).expect("sound");
+    let frame = render(&room.0, &room.1, &options, &pool(1), &Silent).expect("sound");
     let guide = frame.stats.guide.expect("there was a pilot");
     assert!(guide.is_on && guide.moment < 0.7, "it pays: {guide}");
     let part = RenderOptions { guiding: Guiding::Off, crop: Some([0, 0, 70, 8]), ..options.clone() };
@@ -248,7 +249,7 @@ fn auto_begins_late_and_only_where_it_pays() {
     let room = room_below_glass();
     let from = path(24, 18, 1, Guiding::Auto).guided_from().expect("it is asked for");
     let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(24, 18, from, guiding));
-    let frame = render(&room.0, &room.1, &auto, &pool(2), &Silent).expect("sound");
+    let frame = render(&room.0, &room.1, &auto, &pool(1), &Silent).expect("sound");
     assert!(frame.stats.guide.is_none(), "no pilot for few samples");
     assert!(bits(&frame.picture) == bits(&picture_of(&room, &off, 2)), "and the same bits");
 
@@ -260,7 +261,7 @@ fn auto_begins_late_and_only_where_it_pays() {
     for scene in [under_sky, under_lamp] {
         let open = (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0));
         let [auto, off] = [Guiding::Auto, Guiding::Off].map(|guiding| path(24, 18, from + 1, guiding));
-        let frame = render(&open.0, &open.1, &auto, &pool(2), &Silent).expect("sound");
+        let frame = render(&open.0, &open.1, &auto, &pool(1), &Silent).expect("sound");
         let guide = frame.stats.guide.expect("there was a pilot");
         assert!(!guide.is_on, "it does not pay: {guide}");
         assert!(bits(&frame.picture) == bits(&picture_of(&open, &off, 2)), "the bits of unguided paths");
@@ -275,7 +276,7 @@ fn the_budget_holds() {
     cube(&mut scene, shining);
     let of = (world_of(&scene, true), camera([0.1, 0.2, 0.3], [1.0, 0.4, -0.2], 60.0));
     let options = RenderOptions { max_depth: 40, ..path(150, 120, 1, Guiding::On) };
-    let frame = render(&of.0, &of.1, &options, &pool(2), &Silent).expect("sound");
+    let frame = render(&of.0, &of.1, &options, &pool(1), &Silent).expect("sound");
     let guide = frame.stats.guide.expect("it was asked for");
     assert!(guide.vertices > 1 << 20, "more than a few: {guide}");
     assert!(guide.vertices <= 1 << 21 && guide.bytes <= 20 << 20, "no more than are allowed: {guide}");

@@ -41,7 +41,7 @@ fn seen(scene: &Scene, integrator: Integrator) -> Picture {
     };
     let options = RenderOptions { integrator, aovs: true, light_layers: layers, ..options(40, 30, 16) };
     let view = camera([0.0, -5.0, 2.0], [0.0, 0.0, 0.6], 40.0);
-    render(&world_of(scene, false), &view, &options, &pool(2), &Silent).expect("sound").picture
+    render(&world_of(scene, false), &view, &options, &pool(1), &Silent).expect("sound").picture
 }
 
 #[test]
@@ -112,10 +112,10 @@ fn closures_hold_out_their_share() {
             scene.edit_material(MaterialId(1)).surface = Surface::Shader(0);
             let table = ShaderTable { surfaces: vec![Arc::new(Holed(share))], ..ShaderTable::default() };
             let mut world = World::new();
-            world.commit(&scene, &table, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
+            world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
             let options = RenderOptions { integrator, aovs, ..options(40, 30, if net { 64 } else { 2 }) };
             let view = camera([0.0, -5.0, 2.0], [0.0, 0.0, 0.6], 40.0);
-            let picture = render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture;
+            let picture = render(&world, &view, &options, &pool(1), &Silent).expect("sound").picture;
             let [r, _, _, alpha] = picture.color[15 * 40 + 20];
             if net && integrator != Integrator::Path {
                 // The net is the first hit.

@@ -194,7 +194,7 @@ fn parts_make_the_whole() {
         let (world, camera) = room(with_fog, catches);
         for clamp in [None, Some(0.4)] {
             let plain = RenderOptions { clamp, ..layered(Vec::new(), 6) };
-            let pool = pool(2);
+            let pool = pool(1);
             let plain = render(&world, &camera, &plain, &pool, &Silent).expect("sound").picture;
             let whole = whole_of(&plain);
             for (number, layers) in partitions.iter().enumerate() {
@@ -220,7 +220,7 @@ fn parts_make_the_whole() {
 fn parts_by_virtual_lights_make_the_whole() {
     let names = ["emission", "environment", "direct", "indirect"];
     let (world, camera) = room_of(false, false, false);
-    let pool = pool(2);
+    let pool = pool(1);
     let sum = |picture: &Picture, name: &str| -> f64 {
         light(picture, name).as_flattened().iter().map(|&x| f64::from(x)).sum()
     };
@@ -249,7 +249,7 @@ fn parts_by_virtual_lights_make_the_whole() {
 fn parts_have_their_own_parts() {
     let (world, camera) = room(true, false);
     let all: Vec<LightLayer> = LightLayer::words().filter_map(LightLayer::of_word).collect();
-    let frame = render(&world, &camera, &layered(all, 4), &pool(2), &Silent).expect("sound");
+    let frame = render(&world, &camera, &layered(all, 4), &pool(1), &Silent).expect("sound");
     for word in ["diffuse", "glossy", "transmission", "volume"] {
         let parts = ["direct", "indirect"].map(|part| format!("{word}_{part}"));
         let off = off(&frame.picture, &parts, &light(&frame.picture, word));
@@ -311,7 +311,7 @@ fn colors_are_those_of_a_furnace() {
         let mut layers = by(&["C<RD>B", "C<R[GS]>B", "CTB"]);
         layers.extend(kinds.iter().filter_map(|kind| LightLayer::of_word(&format!("{kind}_color"))));
         let options = layered(layers, 64);
-        let picture = render(&world, &camera, &options, &pool(2), &Silent).expect("sound").picture;
+        let picture = render(&world, &camera, &options, &pool(1), &Silent).expect("sound").picture;
         for (i, kind) in kinds.iter().enumerate() {
             let mean = |name: &str| {
                 let light = light(&picture, name);
@@ -333,9 +333,9 @@ fn direct_light_is_that_of_short_paths() {
         let (world, camera) = room_of(with_fog, false, false);
         let layers = words(&["emission", "environment", "direct"]);
         let names: Vec<String> = layers.iter().map(|layer| layer.name.clone()).collect();
-        let frame = render(&world, &camera, &layered(layers, 8), &pool(2), &Silent).expect("sound");
+        let frame = render(&world, &camera, &layered(layers, 8), &pool(1), &Silent).expect("sound");
         let short = RenderOptions { max_depth: 2, ..layered(Vec::new(), 8) };
-        let short = render(&world, &camera, &short, &pool(2), &Silent).expect("sound").picture;
+        let short = render(&world, &camera, &short, &pool(1), &Silent).expect("sound").picture;
         let off = off(&frame.picture, &names, &whole_of(&short));
         assert!(off < 1e-5, "fog {with_fog}: {off}");
     }
@@ -357,7 +357,7 @@ fn lobes_are_told_apart_by_colour() {
     let rendered = |color| {
         let options = layered(words(&["diffuse_direct", "glossy_direct"]), 256);
         let world = world_of(&scene(color), false);
-        render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture
+        render(&world, &view, &options, &pool(1), &Silent).expect("sound").picture
     };
     let (colored, black) = (rendered([0.9, 0.4, 0.1]), rendered([0.0; 3]));
     let sum = |picture: &Picture, name: &str| {
@@ -398,10 +398,10 @@ fn groups_are_pictures_of_their_lights() {
     let view = camera([0.5, -5.0, 3.0], [0.0, 0.0, 0.5], 40.0);
     let layers = LightLayer::of_groups(&["lamps", "points", "sky"]);
     let world = world_of(&scene(None), false);
-    let all = render(&world, &view, &layered(layers, 256), &pool(2), &Silent).expect("sound").picture;
+    let all = render(&world, &view, &layered(layers, 256), &pool(1), &Silent).expect("sound").picture;
     for (number, group) in ["lamps", "points", "sky"].into_iter().enumerate() {
         let world = world_of(&scene(Some(number)), false);
-        let alone = render(&world, &view, &layered(Vec::new(), 256), &pool(2), &Silent).expect("sound");
+        let alone = render(&world, &view, &layered(Vec::new(), 256), &pool(1), &Silent).expect("sound");
         let part = light(&all, &format!("light.{group}"));
         for k in 0..3 {
             let sum = |pixels: &[[f32; 3]]| pixels.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>();
@@ -416,7 +416,7 @@ fn layers_have_the_same_bits_however_they_are_made() {
     let (world, camera) = room(true, false);
     let all: Vec<LightLayer> = LightLayer::words().filter_map(LightLayer::of_word).collect();
     let options = RenderOptions { aovs: true, ..layered(all, 5) };
-    let whole = render(&world, &camera, &options, &pool(2), &Silent).expect("sound").picture;
+    let whole = render(&world, &camera, &options, &pool(1), &Silent).expect("sound").picture;
     let scalar = RenderOptions { level: Level::Scalar, ..options.clone() };
     let scalar = render(&world, &camera, &scalar, &pool(1), &Silent).expect("sound").picture;
     assert!(whole.layers == scalar.layers, "one by one");
@@ -425,7 +425,7 @@ fn layers_have_the_same_bits_however_they_are_made() {
     let bytes = begun.to_bytes(7);
     let mut resumed = Accumulation::from_bytes(options.clone(), 7, &bytes).expect("its own bytes");
     while !resumed.is_complete() {
-        resumed.pass(&world, &camera, 1, &pool(2), &Silent);
+        resumed.pass(&world, &camera, 1, &pool(1), &Silent);
     }
     assert!(resumed.picture().layers == whole.layers, "from a checkpoint");
     let fewer = RenderOptions { light_layers: words(&["direct"]), ..options };

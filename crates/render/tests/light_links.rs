@@ -75,7 +75,7 @@ fn view() -> SceneCamera {
 
 fn seen(scene: &Scene, options: &RenderOptions) -> Picture {
     let options = RenderOptions { aovs: true, ..options.clone() };
-    render(&world_of(scene, false), &view(), &options, &pool(2), &Silent).expect("sound").picture
+    render(&world_of(scene, false), &view(), &options, &pool(1), &Silent).expect("sound").picture
 }
 
 fn path(spp: u32, max_depth: u32) -> RenderOptions {

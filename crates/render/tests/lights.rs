@@ -92,7 +92,7 @@ fn suns_have_half_shadows() {
         for integrator in [Integrator::Whitted, Integrator::Path, Integrator::InstantRadiosity] {
             let options = RenderOptions { integrator, max_depth: 2, vpls: 256, ..options(16, 16, 64) };
             let found =
-                mean(&render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture);
+                mean(&render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture);
             let off = (found[0] - exact).abs();
             assert!(off < 0.01 * ALBEDO / PI * 2.0, "{integrator} at {y}: {} instead of {exact}", found[0]);
         }

@@ -89,7 +89,7 @@ fn a_matte_is_the_opacity_of_the_thing_alone() {
             let options = RenderOptions { filter, ..with(all(6), 16) };
             let picture = |scene: &Scene| {
                 let world = world_of(scene, false);
-                render(&world, &view(aperture), &options, &pool(2), &Silent).expect("sound").picture
+                render(&world, &view(aperture), &options, &pool(1), &Silent).expect("sound").picture
             };
             let whole = picture(&scene(None));
             let near = coverage(&whole, MatteKind::Object, "near");
@@ -129,7 +129,7 @@ fn what_is_there_in_part_covers_in_part() {
     for integrator in [Integrator::Path, Integrator::Whitted, Integrator::InstantRadiosity] {
         let options = RenderOptions { integrator, ..with(all(6), 3) };
         let world = world_of(&scene, false);
-        let picture = render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture;
+        let picture = render(&world, &view, &options, &pool(1), &Silent).expect("sound").picture;
         let mut ranked = ranks(&picture, MatteKind::Material, 700);
         ranked.truncate(3);
         let found: BTreeMap<u32, f32> = ranked.into_iter().collect();
@@ -144,9 +144,9 @@ fn mattes_change_nothing_and_have_the_same_bits_however_they_are_made() {
     let world = world_of(&scene(None), false);
     let camera = view(0.2);
     let options = with(all(3), 6);
-    let whole = render(&world, &camera, &options, &pool(2), &Silent).expect("sound").picture;
+    let whole = render(&world, &camera, &options, &pool(1), &Silent).expect("sound").picture;
     let plain =
-        render(&world, &camera, &with(Mattes::default(), 6), &pool(2), &Silent).expect("sound").picture;
+        render(&world, &camera, &with(Mattes::default(), 6), &pool(1), &Silent).expect("sound").picture;
     assert!(whole.color == plain.color, "the picture stays");
     let crypto = whole.layers.iter().filter(|layer| layer.name.starts_with("Crypto")).count();
     assert_eq!(crypto, 6, "two layers of two ranks for each of three kinds");
@@ -154,7 +154,7 @@ fn mattes_change_nothing_and_have_the_same_bits_however_they_are_made() {
     begun.pass(&world, &camera, 2, &pool(1), &Silent);
     let mut resumed = Accumulation::from_bytes(options.clone(), 7, &begun.to_bytes(7)).expect("its own");
     while !resumed.is_complete() {
-        resumed.pass(&world, &camera, 1, &pool(2), &Silent);
+        resumed.pass(&world, &camera, 1, &pool(1), &Silent);
     }
     let bits = |picture: &Picture| {
         let of_pixel = |i: usize| MatteKind::ALL.map(|kind| ranks(picture, kind, i));

@@ -19,7 +19,7 @@ fn path(spp: u32, max_depth: u32) -> RenderOptions {
 /// Radiance from `eye` towards `target`.
 fn seen(world: &World, eye: [f32; 3], target: [f32; 3], options: &RenderOptions) -> [f64; 3] {
     let view = camera(eye, target, 0.001);
-    mean(&render(world, &view, options, &pool(2), &Silent).expect("sound options").picture)
+    mean(&render(world, &view, options, &pool(1), &Silent).expect("sound options").picture)
 }
 
 fn near(found: [f64; 3], expected: [f64; 3], relative: f64, what: &str) {
@@ -163,7 +163,7 @@ fn light_scattered_once_is_the_integral_along_the_ray() {
 /// The spread of the pixels of a picture of one direction, over their mean.
 fn spread(world: &World, options: &RenderOptions) -> f64 {
     let view = camera([0.0; 3], [0.0, 0.0, 1.0], 0.001);
-    let picture = render(world, &view, options, &pool(2), &Silent).expect("sound options").picture;
+    let picture = render(world, &view, options, &pool(1), &Silent).expect("sound options").picture;
     let light: Vec<f64> = picture.color.iter().map(|pixel| f64::from(pixel[1])).collect();
     let mean = light.iter().sum::<f64>() / light.len() as f64;
     let variance = light.iter().map(|light| (light - mean).powi(2)).sum::<f64>() / light.len() as f64;
@@ -329,7 +329,7 @@ fn clouds_in_an_even_sky_are_not_seen() {
         let world = world_of(&scene, false);
         let options = path(if sky == EVERYWHERE { 64 } else { 4096 }, 4000);
         let view = camera([0.0, 0.0, -9.0], [0.0; 3], 0.001);
-        let picture = render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture;
+        let picture = render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture;
         if sky == EVERYWHERE {
             near(mean(&picture), [0.0; 3], 1e-6, "nothing comes from infinitely far away");
         } else {

@@ -12,7 +12,7 @@ use gnurt_scene::{Affine, Camera, Instance, Material, Member, MeshId, Object, Ob
 fn committed(scene: &Scene) -> World {
     let mut world = World::new();
     let options = CommitOptions::default();
-    world.commit(scene, &ShaderTable::default(), &options, &pool(2)).expect("a sound scene");
+    world.commit(scene, &ShaderTable::default(), &options, &pool(1)).expect("a sound scene");
     world
 }
 
@@ -82,7 +82,7 @@ fn measured(world: &World, integrator: Integrator) -> Vec<[f32; 4]> {
     };
     let camera = SceneCamera::new(&camera).expect("a view");
     let options = RenderOptions { integrator, max_depth: 4, ..options(32, 24, 4) };
-    render(world, &camera, &options, &pool(2), &Silent).expect("sound options").picture.color
+    render(world, &camera, &options, &pool(1), &Silent).expect("sound options").picture.color
 }
 
 /// How many pixels differ by more than rounding.

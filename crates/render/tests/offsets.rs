@@ -57,7 +57,7 @@ fn boxes_do_not_leak() {
             let view =
                 camera([0.1 * scale, 0.05 * scale, 0.0], [0.3 * scale, 0.4 * scale, 0.2 * scale], 120.0);
             let world = world_of(&scene, false);
-            let frame = render(&world, &view, &options(64, 64, 4), &pool(2), &Silent).expect("sound options");
+            let frame = render(&world, &view, &options(64, 64, 4), &pool(1), &Silent).expect("sound options");
             let leaks = frame.picture.color.iter().filter(|pixel| pixel[0] > 0.0 || pixel[3] < 1.0).count();
             assert_eq!(leaks, 0, "scale {scale}, by instance: {place_by_instance}");
         }

@@ -141,7 +141,7 @@ fn a_shader_may_shine_beside_what_it_tells() {
         let mut world = World::new();
         world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
         let view = camera([-0.05, -0.05, 0.25], [0.0; 3], 0.01);
-        mean(&render(&world, &view, &path(8, 8, 512, 2), &pool(2), &Silent).expect("sound options").picture)
+        mean(&render(&world, &view, &path(8, 8, 512, 2), &pool(1), &Silent).expect("sound options").picture)
             [0]
     };
     let whole = lit(Material::matte("", [0.0; 3]).surface, 5.0);
@@ -225,9 +225,9 @@ fn lights_of_plugins_count_as_those_of_the_scene() {
     let table = ShaderTable { lights: vec![light], ..ShaderTable::default() };
     let by_table = {
         let mut world = World::new();
-        world.commit(&scene, &table, &CommitOptions::default(), &pool(2)).expect("sound");
+        world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("sound");
         let view = camera([0.5, 0.0, 1.0], [0.0; 3], 0.01);
-        mean(&render(&world, &view, &path(4, 4, 1, 3), &pool(2), &Silent).expect("sound").picture)
+        mean(&render(&world, &view, &path(4, 4, 1, 3), &pool(1), &Silent).expect("sound").picture)
     };
     scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
     assert_close(by_table[0], measured(&scene, [0.5, 0.0, 1.0], [0.0; 3], 1, 3)[0], 1e-5, "the same light");
@@ -277,7 +277,7 @@ fn clamping_leaves_many_small_contributions() {
     let view = camera([0.1, 0.2, 0.3], [1.0, 0.4, -0.2], 30.0);
     let with = |clamp| {
         let options = RenderOptions { clamp, ..path(8, 8, 16, 4) };
-        render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture
+        render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture
     };
     // Contributions of edge k are at most 0.5^(k - 1), as none is ended by chance; those of edges 3 and 4 add up to 0.375.
     let all = with(None);
@@ -291,13 +291,13 @@ fn clamping_only_takes_light_away() {
     let world = world_of(&scene, false);
     let with = |clamp| {
         let options = RenderOptions { clamp, ..path(32, 24, 8, 8) };
-        render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture
+        render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture
     };
     let (all, less, direct) = (with(None), with(Some(0.05)), with(Some(0.0)));
     let sums = [&all, &less, &direct].map(|picture| mean(picture)[0]);
     assert!(sums[0] > sums[1] && sums[1] > sums[2], "less and less: {sums:?}");
     let options = path(32, 24, 8, 2);
-    let expected = render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture;
+    let expected = render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture;
     assert_close(sums[2], mean(&expected)[0], 1e-5, "direct light is never clamped");
 }
 
@@ -322,7 +322,7 @@ fn lamps_out_of_focus_are_discs() {
         for integrator in [Integrator::Path, Integrator::Whitted] {
             let filter = ReconstructionFilter::Box;
             let options = RenderOptions { integrator, filter, ..options(SIDE, SIDE, 64) };
-            let frame = render(&world, &camera, &options, &pool(2), &Silent).expect("sound options");
+            let frame = render(&world, &camera, &options, &pool(1), &Silent).expect("sound options");
             let lit: Vec<f64> = frame.picture.color.iter().map(|c| f64::from(c[0])).collect();
             let sum: f64 = lit.iter().sum();
             let across = |i: usize| f64::from(i as u32 % SIDE) - f64::from(SIDE / 2);
@@ -353,7 +353,7 @@ fn nothing_is_seen_beyond_straight_back() {
     let camera = SceneCamera::new(&camera).expect("a view");
     for integrator in [Integrator::Path, Integrator::Whitted, Integrator::InstantRadiosity] {
         let options = RenderOptions { integrator, ..options(32, 32, 4) };
-        let picture = render(&world_of(&scene, false), &camera, &options, &pool(2), &Silent);
+        let picture = render(&world_of(&scene, false), &camera, &options, &pool(1), &Silent);
         let color = picture.expect("sound options").picture.color;
         assert_eq!(color[0][..3], [0.0; 3], "{integrator}: a corner");
         assert_eq!(color[16 * 32 + 16][..3], [1.0; 3], "{integrator}: the middle");

@@ -37,10 +37,10 @@ fn view(
     world: &World,
     camera: &SceneCamera,
     options: &RenderOptions,
-    threads: usize,
+    threads: &rayon::ThreadPool,
 ) -> Accumulation {
     let mut measured = Accumulation::new(options.clone()).expect("sound options");
-    assert!(measured.pass_in_motion(persistent, world, camera, &pool(threads), &Silent), "nobody stops it");
+    assert!(measured.pass_in_motion(persistent, world, camera, threads, &Silent), "nobody stops it");
     measured
 }
 
@@ -55,27 +55,24 @@ fn pictures_in_motion_have_the_right_mean() {
         scene.add_light(gnurt_scene::Light::Point { position, intensity: [strength; 3] });
     }
     let world = world_of(&scene, true);
-    const SEEDS: u64 = 12;
+    const SEEDS: usize = 12;
     for integrator in ALL {
-        let (mut found, mut expected) = ([0.0; 3], [0.0; 3]);
-        for seed in 0..SEEDS {
+        let means = side_by_side(SEEDS, |number, threads| {
             // Light samples and rays are those of the still picture: only virtual lights differ.
-            let options = RenderOptions { seed, vpls: 512, ..by(integrator) };
+            let options = RenderOptions { seed: number as u64, vpls: 512, ..by(integrator) };
             let (still, moved) = (offset_camera(&scene, 0), offset_camera(&scene, 1));
-            let picture = render(&world, &still, &options, &pool(2), &Silent).expect("sound options").picture;
+            let picture = render(&world, &still, &options, threads, &Silent).expect("sound options").picture;
             let mut persistent = PersistentLights::default();
             for camera in [&moved, &still, &moved] {
                 let tiny = RenderOptions { crop: Some([0, 0, 1, 1]), ..options.clone() };
-                view(&mut persistent, &world, camera, &tiny, 2);
+                view(&mut persistent, &world, camera, &tiny, threads);
             }
             // Most lights were chosen for the camera beside.
-            let moving = view(&mut persistent, &world, &still, &options, 2).picture();
-            let means = [mean(&moving), mean(&picture)];
-            for k in 0..3 {
-                found[k] += means[0][k];
-                expected[k] += means[1][k];
-            }
-        }
+            let moving = view(&mut persistent, &world, &still, &options, threads).picture();
+            [mean(&moving), mean(&picture)]
+        });
+        let sum = |which: usize, k: usize| means.iter().map(|means| means[which][k]).sum::<f64>();
+        let [found, expected] = [0, 1].map(|which| [0, 1, 2].map(|k| sum(which, k)));
         for k in 0..3 {
             eprintln!("{integrator}: {:+.4}", found[k] / expected[k] - 1.0);
             assert_close(found[k], expected[k], 0.03, integrator.name());
@@ -91,7 +88,9 @@ fn later_pictures_trace_few_lights() {
         let options = RenderOptions { width: 2, height: 2, vpls: 4096, ..by(integrator) };
         let mut persistent = PersistentLights::default();
         let rays = [0, 1, 2].map(|step| {
-            view(&mut persistent, &world, &offset_camera(&scene, step), &options, 2).stats().secondary_rays
+            view(&mut persistent, &world, &offset_camera(&scene, step), &options, &pool(1))
+                .stats()
+                .secondary_rays
         });
         assert!(rays[2] * 4 < rays[0], "{integrator}: {rays:?}");
     }
@@ -105,9 +104,9 @@ fn nothing_flickers() {
     for (integrator, steps) in ALL.into_iter().zip([1, 8, 8]) {
         let options = by(integrator);
         let mut persistent = PersistentLights::default();
-        view(&mut persistent, &world, &offset_camera(&scene, 1), &options, 2);
+        view(&mut persistent, &world, &offset_camera(&scene, 1), &options, &pool(1));
         let mut measured: Vec<_> = (0..=steps)
-            .map(|_| view(&mut persistent, &world, &offset_camera(&scene, 0), &options, 2).picture())
+            .map(|_| view(&mut persistent, &world, &offset_camera(&scene, 0), &options, &pool(1)).picture())
             .collect();
         let (last, before) = (measured.pop(), measured.pop());
         assert_eq!(last, before, "{integrator}: the same view, the same bits");
@@ -121,15 +120,16 @@ fn what_moves_is_followed() {
     for integrator in ALL {
         let options = by(integrator);
         let mut persistent = PersistentLights::default();
-        view(&mut persistent, &world, &offset_camera(&scene, 0), &options, 2);
+        view(&mut persistent, &world, &offset_camera(&scene, 0), &options, &pool(1));
         let instance = scene.edit_instance(gnurt_scene::InstanceId(0));
         instance.world_from_object.columns[3][1] += 0.01;
         let commit = CommitOptions { force_diffuse: true, ..CommitOptions::default() };
-        world.commit(&scene, &ShaderTable::default(), &commit, &pool(2)).expect("the scene is sound");
-        let found = view(&mut persistent, &world, &offset_camera(&scene, 0), &options, 2).picture();
+        world.commit(&scene, &ShaderTable::default(), &commit, &pool(1)).expect("the scene is sound");
+        let found = view(&mut persistent, &world, &offset_camera(&scene, 0), &options, &pool(1)).picture();
         // The learned number of light paths is random.
         let first =
-            view(&mut PersistentLights::default(), &world, &offset_camera(&scene, 0), &options, 2).picture();
+            view(&mut PersistentLights::default(), &world, &offset_camera(&scene, 0), &options, &pool(1))
+                .picture();
         assert!(
             found == first || integrator == Integrator::InstantRadiosity,
             "{integrator}: as the world is"
@@ -148,8 +148,9 @@ fn threads_do_not_show() {
         let [mut one, mut seven] = [(); 2].map(|()| PersistentLights::default());
         for step in 0..3 {
             let camera = offset_camera(&scene, step);
-            let [one, seven] = [(&mut one, 1), (&mut seven, 7)]
-                .map(|(persistent, n)| view(persistent, &world, &camera, &by(integrator), n).picture());
+            let [one, seven] = [(&mut one, 1), (&mut seven, 7)].map(|(persistent, n)| {
+                view(persistent, &world, &camera, &by(integrator), &pool(n)).picture()
+            });
             assert_eq!(one, seven, "{integrator}, picture {step}: bit for bit");
         }
     }

@@ -31,7 +31,7 @@ fn scratch(shader: Option<Shows>) -> (World, SceneCamera) {
     let scene = gnurt_scene::builtin::load("cornell").expect("it is built in");
     let table = ShaderTable { pixel: shader.map(|shader| Arc::new(shader) as _), ..ShaderTable::default() };
     let mut world = World::new();
-    world.commit(&scene, &table, &CommitOptions::default(), &pool(2)).expect("a sound scene");
+    world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("a sound scene");
     (world, SceneCamera::new(&scene.cameras()[0]).expect("a view"))
 }
 

@@ -66,7 +66,7 @@ fn seen_by(
         .expect("the scene is sound");
     let camera = camera([0.3, 0.1, 3.0], [0.3, 0.1, 0.0], 40.0);
     let options = RenderOptions { integrator, ..options(6, 3, 2) };
-    render(&world, &camera, &options, &pool(2), &Silent).expect("sound options");
+    render(&world, &camera, &options, &pool(1), &Silent).expect("sound options");
     trace_pixel(&world, &camera, &options, 1, 1).expect("a pixel");
     std::mem::take(&mut *seen.lock().expect("nobody else holds it"))
 }

@@ -92,7 +92,7 @@ fn balls(roughness: f32) -> Scene {
 fn light_of_all_branches_agrees_with_that_of_paths() {
     let world = world_of(&balls(0.0), false);
     let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0);
-    let frame = render(&world, &view, &seen(40, 30, 256), &pool(2), &Silent).expect("sound");
+    let frame = render(&world, &view, &seen(40, 30, 256), &pool(1), &Silent).expect("sound");
     let [light, split] = ["seen_light", "seen_split"].map(|name| layer(&frame.picture, name, RGB));
     let sum = |pixels: &[[f32; 3]]| pixels.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>();
     // By the deviation of the sum of all differences, which are independent.
@@ -104,7 +104,7 @@ fn light_of_all_branches_agrees_with_that_of_paths() {
     assert!(sum(&light) > 0.1 * 1200.0, "there is some");
     // Limited contributions end the comparison early.
     let clamped = RenderOptions { clamp: Some(2.0), ..seen(40, 30, 64) };
-    let frame = render(&world, &view, &clamped, &pool(2), &Silent).expect("sound");
+    let frame = render(&world, &view, &clamped, &pool(1), &Silent).expect("sound");
     let [light, split] = ["seen_light", "seen_split"].map(|name| layer(&frame.picture, name, RGB));
     let ratio = sum(&split) / sum(&light);
     assert!((ratio - 1.0).abs() < 0.02, "as far as they are not limited: {ratio}");
@@ -117,7 +117,7 @@ fn direct_light_has_one_scattering_and_variances_are_those_of_samples() {
     let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0);
     let once = LightLayer::new("once", "C<.S>*<.[DG]>[LBO]").expect("an expression");
     let some = RenderOptions { light_layers: vec![once], ..seen(24, 18, 8) };
-    let some = render(&world, &view, &some, &pool(2), &Silent).expect("sound").picture;
+    let some = render(&world, &view, &some, &pool(1), &Silent).expect("sound").picture;
     let [direct, once] = ["seen_direct", "once"].map(|name| layer(&some, name, RGB));
     let (mut sum, mut lit) = (0.0, 0);
     for (direct, once) in direct.iter().zip(&once) {
@@ -132,7 +132,7 @@ fn direct_light_has_one_scattering_and_variances_are_those_of_samples() {
     let single: Vec<Picture> = (0..32)
         .map(|seed| {
             let options = RenderOptions { seed, ..seen(24, 18, 4) };
-            render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture
+            render(&world, &view, &options, &pool(1), &Silent).expect("sound").picture
         })
         .collect();
     for (name, light) in [("seen_direct_variance", 0), ("seen_indirect_variance", 1)] {
@@ -183,9 +183,9 @@ fn polished_metal_shows_what_a_mirror_shows() {
 fn edges_of_lamps_have_less_noise_than_paths_give_them() {
     let world = world_of(&balls(0.0), false);
     let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 2.0], 40.0);
-    let truth = render(&world, &view, &seen(40, 30, 512), &pool(2), &Silent).expect("sound").picture;
+    let truth = render(&world, &view, &seen(40, 30, 512), &pool(1), &Silent).expect("sound").picture;
     let few = RenderOptions { seed: 5, ..seen(40, 30, 4) };
-    let few = render(&world, &view, &few, &pool(2), &Silent).expect("sound").picture;
+    let few = render(&world, &view, &few, &pool(1), &Silent).expect("sound").picture;
     let truth = layer(&truth, "seen_split", RGB);
     let error = |name: &str| -> f32 {
         layer(&few, name, RGB).iter().zip(&truth).map(|(a, b)| (a[1] - b[1]).powi(2)).sum()
@@ -200,7 +200,7 @@ fn layers_change_no_picture_and_survive_a_pause() {
     let view = camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0);
     for integrator in [Integrator::Path, Integrator::Whitted, Integrator::InstantRadiosity] {
         let options = RenderOptions { integrator, vpls: 64, ..seen(24, 18, 4) };
-        let whole = render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture;
+        let whole = render(&world, &view, &options, &pool(1), &Silent).expect("sound").picture;
         let plain = RenderOptions { seen: false, ..options.clone() };
         let plain = render(&world, &view, &plain, &pool(1), &Silent).expect("sound").picture;
         assert!(whole.color == plain.color, "{integrator}: the same colours");

@@ -123,7 +123,7 @@ fn view(by: By, white: f32, is_far: bool) -> (World, SceneCamera) {
     shaders.lights.push(Arc::new(PluginLight { placement, is_far, strength }));
     shaders.environment = Some(Arc::new(Sky));
     let mut world = World::new();
-    world.commit(&scene, &shaders, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
+    world.commit(&scene, &shaders, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
     (world, camera([0.0, -3.5, 1.0], [0.0, 0.0, 1.0], 38.0))
 }
 
@@ -221,11 +221,11 @@ fn lamps_may_show_more_than_they_emit() {
     put_mesh(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], area_light));
     let shaders = ShaderTable { surfaces: vec![Arc::new(Glowing)], ..ShaderTable::default() };
     let mut world = World::new();
-    world.commit(&scene, &shaders, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
+    world.commit(&scene, &shaders, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
     let view = camera([2.5, 0.0, 0.4], [0.0, 0.0, 0.0], 1.0);
     let measured = |integrator, spp| {
         let options = RenderOptions { width: 4, height: 4, max_depth: 2, ..by(integrator, spp) };
-        mean(&render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture)[0]
+        mean(&render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture)[0]
     };
     let expected = measured(Integrator::Path, 1024);
     for integrator in ALL {
@@ -249,7 +249,7 @@ fn shaders_are_interleaved() {
     let (world, camera) = view(By::Shaders, 1.0, false);
     let [full, part] = [1, 3].map(|interleave| {
         let options = RenderOptions { interleave, width: 60, height: 60, vpls: 360, ..by(ALL[0], 2) };
-        render(&world, &camera, &options, &pool(2), &Silent).expect("sound options")
+        render(&world, &camera, &options, &pool(1), &Silent).expect("sound options")
     });
     let [expected, found] = [&full, &part].map(|frame| mean(&frame.picture));
     (0..3).for_each(|k| assert_close(found[k], expected[k], 0.02, "light"));

@@ -26,7 +26,7 @@ fn picture(scene: &Scene, integrator: Integrator, spp: u32) -> Picture {
     let options =
         RenderOptions { width: 32, height: 24, spp, integrator, aovs: true, ..RenderOptions::default() };
     let camera = camera([0.0, -8.0, 3.0], [0.0, 0.0, 0.8], 40.0);
-    render(&world_of(scene, false), &camera, &options, &pool(2), &Silent).expect("sound options").picture
+    render(&world_of(scene, false), &camera, &options, &pool(1), &Silent).expect("sound options").picture
 }
 
 /// A floor with its own unshadowed radiance as backdrop: under the whole sky, albedo times sky.

@@ -135,7 +135,7 @@ impl Setup {
     fn commit(&self, world: &mut World, scene: &Scene, exposure: &Exposure) {
         let how = CommitOptions::default();
         world
-            .commit_exposed(scene, exposure, &ShaderTable::default(), &how, &pool(2))
+            .commit_exposed(scene, exposure, &ShaderTable::default(), &how, &pool(1))
             .expect("a sound scene");
     }
 
@@ -179,7 +179,7 @@ impl Setup {
     }
 
     fn picture(&self, world: &World, camera: &dyn CameraShader, options: &RenderOptions) -> Picture {
-        render(world, camera, options, &pool(2), &Silent).expect("sound options").picture
+        render(world, camera, options, &pool(1), &Silent).expect("sound options").picture
     }
 
     fn of_integrator(integrator: Integrator, spp: u32) -> RenderOptions {
@@ -202,7 +202,7 @@ fn each_moment_is_the_scene_at_that_moment() {
     ];
     for time in [0.0, 0.4, 1.0] {
         let frozen = world_of(&scratch.frozen(time), false);
-        let at = world.at(time, &pool(2));
+        let at = world.at(time, &pool(1));
         for (integrator, spp) in all {
             let options = RenderOptions {
                 aovs: integrator == Integrator::Path,
@@ -242,12 +242,12 @@ fn pictures_are_the_mean_of_their_moments() {
         for i in 0..64 {
             let time = (i as f32 + 0.5) / 64.0;
             let options = RenderOptions { seed: 100 + i, ..Setup::of_integrator(integrator, 2) };
-            let one = scratch.picture(&world.at(time, &pool(2)), &moving.at(time), &options);
+            let one = scratch.picture(&world.at(time, &pool(1)), &moving.at(time), &options);
             for (sum, color) in sum.iter_mut().zip(&one.color) {
                 (0..3).for_each(|k| sum[k] += f64::from(color[k]) / 64.0);
             }
         }
-        let still = scratch.picture(&world.at(0.0, &pool(2)), &moving.at(0.0), &options);
+        let still = scratch.picture(&world.at(0.0, &pool(1)), &moving.at(0.0), &options);
         let (blur, no_blur) = (difference(&blurred, &sum), difference(&still, &sum));
         let level = mean(&blurred)[0];
         assert!(

@@ -164,7 +164,7 @@ fn rays_that_meet_a_sphere_have_their_share() {
         let options = RenderOptions { integrator: Integrator::Path, max_depth: 2, ..options(16, 16, 256) };
         let view = camera([2.0, -2.0, 1.2], [0.9, -0.6, 0.0], 60.0);
         let by = |world: &World| {
-            mean(&render(world, &view, &options, &pool(2), &Silent).expect("sound").picture)[0]
+            mean(&render(world, &view, &options, &pool(1), &Silent).expect("sound").picture)[0]
         };
         assert_close(by(&world_of(&scene, false)), by(&tessellated), 0.01, &format!("roughness {roughness}"));
     }

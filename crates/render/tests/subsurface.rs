@@ -46,7 +46,7 @@ fn path(spp: u32) -> RenderOptions {
 fn seen(scene: &Scene, eye: [f32; 3], target: [f32; 3], options: &RenderOptions) -> [f64; 3] {
     let view = camera(eye, target, 0.001);
     let world: World = world_of(scene, false);
-    mean(&render(&world, &view, options, &pool(2), &Silent).expect("sound options").picture)
+    mean(&render(&world, &view, options, &pool(1), &Silent).expect("sound options").picture)
 }
 
 /// A small generator of random numbers in [0, 1).

@@ -28,7 +28,7 @@ fn lit(scene: &Scene, eye: [f32; 3], force_diffuse: bool) -> Vec<(f32, f32)> {
     let picture = |integrator| {
         let options = gnurt_render::RenderOptions { integrator, ..options(SIZE, SIZE, 1) };
         let camera = camera(eye, [0.0; 3], 35.0);
-        render(&world, &camera, &options, &pool(2), &Silent).expect("the options are sound").picture.color
+        render(&world, &camera, &options, &pool(1), &Silent).expect("the options are sound").picture.color
     };
     let (normals, light) = (picture(Integrator::Normals), picture(Integrator::Whitted));
     let on_ball = normals.iter().zip(&light).filter(|(n, _)| n[3] > 0.0);

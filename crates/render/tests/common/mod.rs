@@ -147,7 +147,7 @@ pub fn environment(radiance: [f32; 3]) -> Light {
 pub fn world_of(scene: &Scene, force_diffuse: bool) -> World {
     let mut world = World::new();
     let options = CommitOptions { force_diffuse, ..CommitOptions::default() };
-    world.commit(scene, &ShaderTable::default(), &options, &pool(2)).expect("the scene is sound");
+    world.commit(scene, &ShaderTable::default(), &options, &pool(1)).expect("the scene is sound");
     world
 }
 
@@ -164,9 +164,9 @@ pub fn options(width: u32, height: u32, spp: u32) -> RenderOptions {
     RenderOptions { width, height, spp, ..RenderOptions::default() }
 }
 
-/// Renders on two threads.
+/// Renders on one thread: tests run side by side.
 pub fn frame(scene: &Scene, camera: &SceneCamera, options: &RenderOptions) -> Frame {
-    render(&world_of(scene, false), camera, options, &pool(2), &Silent).expect("the options are sound")
+    render(&world_of(scene, false), camera, options, &pool(1), &Silent).expect("the options are sound")
 }
 
 /// White things under a white sky: a furnace, whose picture is white if all light is scattered on.
@@ -179,7 +179,7 @@ pub fn white_under_white(options: &RenderOptions) -> Frame {
     let view = camera([-6.0, -4.0, 3.0], [0.0, 0.0, 0.8], 40.0);
     // Face normals: interpolated ones are no closed system, their facets neither keep nor lose light exactly.
     let world = world_of(&scene, true);
-    render(&world, &view, options, &pool(2), &Silent).expect("the options are sound")
+    render(&world, &view, options, &pool(1), &Silent).expect("the options are sound")
 }
 
 /// Mean colour of a picture.
