@@ -225,7 +225,7 @@ fn many_instances_are_met_where_they_are() {
     let ray = |(i, (org, dir)): (usize, ([f32; 3], [f32; 3]))| {
         Ray::new(org.map(|x| 10.0 * x), dir).with_time(TIMES[i % TIMES.len()])
     };
-    let rays: Vec<Ray> = rays::random(6, 900).into_iter().enumerate().map(ray).collect();
+    let rays: Vec<Ray> = rays::random(6, 420).into_iter().enumerate().map(ray).collect();
     compare(&scene, &rays, |time| scene.at(time, threads));
     // All at one time, in tiles: geometry is static for them.
     let stopped = scene.at(0.734, threads);

@@ -205,7 +205,7 @@ fn finished_pictures_are_shown() {
     let folder = Folder::new();
     for (name, seed) in [("f.0001", 1), ("f.0002", 2), ("f.0003", 3), ("g", 4)] {
         let line = format!(
-            "render builtin:materials -r 320x240 --spp 1 --seed {seed} --layers normal -o {name}.exr"
+            "render builtin:materials -r 160x120 --spp 1 --seed {seed} --layers normal -o {name}.exr"
         );
         folder.gnurt(&line).success();
         folder.gnurt(&format!("convert {name}.exr {name}.png --exposure 1 --tone clamp")).success();
@@ -223,7 +223,7 @@ fn finished_pictures_are_shown() {
     assert!(second.color == of("g.png").color, "the other picture");
     display.act("key 3");
     let split = viewer.picture();
-    assert!(split.color[0] == of("f.0003.png").color[0] && split.color[319] == second.color[319], "both");
+    assert!(split.color[0] == of("f.0003.png").color[0] && split.color[159] == second.color[159], "both");
     display.act("key 1 key Tab");
     let normals = viewer.picture();
     assert!(differ(&normals, &split), "a layer");
@@ -238,15 +238,15 @@ fn hands_move_the_camera() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
     // One sample: a screenshot holds the samples that are there, which with more might be the first only.
-    let mut viewer = Viewer::open(&display, &folder, "view builtin:materials -r 320x240 --spp 1 -t 2");
+    let mut viewer = Viewer::open(&display, &folder, "view builtin:materials -r 160x120 --spp 1 -t 2");
     let first = viewer.picture();
-    assert_eq!((first.width, first.height), (320, 240), "the size that was asked for");
+    assert_eq!((first.width, first.height), (160, 120), "the size that was asked for");
     display.act("key c");
     let home = viewer.hears("--eye");
-    display.act("mousemove 160 120 mousedown 1 mousemove 170 122 mousemove 180 124 mouseup 1");
+    display.act("mousemove 80 60 mousedown 1 mousemove 90 62 mousemove 100 64 mouseup 1");
     let orbited = viewer.picture();
     assert!(differ(&first, &orbited), "a drag with the left button shows another side");
-    display.act("mousemove 160 120 mousedown 3 mousemove 180 125 mousemove 200 130 mouseup 3");
+    display.act("mousemove 80 60 mousedown 3 mousemove 90 63 mousemove 100 65 mouseup 3");
     let panned = viewer.picture();
     assert!(differ(&orbited, &panned), "a drag with the right button moves it aside");
     display.act("click 4 click 4 click 4");
@@ -265,7 +265,7 @@ fn hands_move_the_camera() {
     // The printed options restore the view on the command line.
     display.act("key Escape");
     viewer.ends(0);
-    let arguments_given = format!("render builtin:materials -r 320x240 --spp 1 -o there.png {away}");
+    let arguments_given = format!("render builtin:materials -r 160x120 --spp 1 -o there.png {away}");
     folder.gnurt(&arguments_given).success();
     let there = gnurt::image::read(&folder.at("there.png")).expect("a picture");
     assert!(there.color == flown.color, "the pixels that were seen");
