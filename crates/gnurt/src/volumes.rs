@@ -263,8 +263,10 @@ pub fn read_volume(path: &Path, names: Option<&[String]>) -> Result<Vec<VolumeCe
     let volume = Volume::read(path, MOST_VOLUME_BYTES)?;
     let mut all = Vec::new();
     let is_wanted = |grid: &&Grid| names.is_none_or(|names| names.iter().any(|name| name == grid.name()));
+    let fault = |what: String| Error::Volume(format!("{}: {what}", path.display()));
+    // Before any is read: grids may take gigabytes.
+    volume.grids().iter().filter(is_wanted).try_for_each(VolumeCells::check).map_err(fault)?;
     for grid in volume.grids().iter().filter(is_wanted) {
-        let fault = |what: String| Error::Volume(format!("{}: {what}", path.display()));
         all.extend(VolumeCells::of(grid).map_err(fault)?);
     }
     Ok(all)

@@ -42,6 +42,14 @@ impl VolumeCells {
         cells.ok_or_else(|| "the grid has no active cell".into())
     }
 
+    /// Checks that a grid has not too many cells, without reading them.
+    ///
+    /// # Errors
+    /// That there are too many.
+    pub fn check(grid: &Grid) -> Result<(), String> {
+        grid.active().map_or(Ok(()), |active| Place::new(active).map(drop))
+    }
+
     /// Those of a grid; `None` without active voxels.
     ///
     /// # Errors
