@@ -205,7 +205,7 @@ fn finished_pictures_are_shown() {
     let folder = Folder::new();
     for (name, seed) in [("f.0001", 1), ("f.0002", 2), ("f.0003", 3), ("g", 4)] {
         let line = format!(
-            "render builtin:materials -r 160x120 --spp 1 --seed {seed} --layers normal -o {name}.exr"
+            "render builtin:materials -r 320x240 --spp 1 --seed {seed} --layers normal -o {name}.exr"
         );
         folder.gnurt(&line).success();
         folder.gnurt(&format!("convert {name}.exr {name}.png --exposure 1 --tone clamp")).success();
@@ -223,7 +223,7 @@ fn finished_pictures_are_shown() {
     assert!(second.color == of("g.png").color, "the other picture");
     display.act("key 3");
     let split = viewer.picture();
-    assert!(split.color[0] == of("f.0003.png").color[0] && split.color[159] == second.color[159], "both");
+    assert!(split.color[0] == of("f.0003.png").color[0] && split.color[319] == second.color[319], "both");
     display.act("key 1 key Tab");
     let normals = viewer.picture();
     assert!(differ(&normals, &split), "a layer");
