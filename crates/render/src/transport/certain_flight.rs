@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 use gnurt_shading::SampleKey;
-use gnurt_shading::sampling::{hash_combine, purpose, sample_pair};
+use gnurt_shading::sampling::{hash_combine, purpose};
 
 use super::flight::{Parts, Random};
 use super::medium_vertices::{MediumVertex, MediumVertices};
@@ -56,15 +56,16 @@ impl CertainFlight {
     /// Adds the place of a flight that was not scattered, for a light sample.
     pub(super) fn add(
         &self,
-        (world, seed): (&World, u64),
+        (world, edge): (&World, &Random),
         (parts, near): (&Parts, Option<&NearLamps>),
         (path, number, org, dir): (&Path, u32, Vec3, Vec3),
         vertices: &mut MediumVertices,
     ) {
-        let t = self.sample(sample_pair(seed, path.key, path.edges, purpose::CERTAIN_DISTANCE));
+        let t = self.sample(edge.pair_of(purpose::CERTAIN_DISTANCE));
         let density = parts.density(t, path.throughput) / self.chance();
-        let mut random = Random::of_lamp(seed, path.key, path.edges);
-        let Some((weight, medium)) = parts.goes_to(t, path.throughput, &mut random) else { return };
+        let Some((weight, medium)) = parts.goes_to(t, path.throughput, &mut edge.beside(BRANCH)) else {
+            return;
+        };
         if !(density > 0.0 && density.is_finite()) {
             return;
         }

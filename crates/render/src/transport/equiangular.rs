@@ -21,11 +21,19 @@ pub(super) struct Equiangular {
 }
 
 impl Equiangular {
-    /// `None` if the stretch is seen at no angle. Its end may be infinite.
-    pub(super) fn new((org, dir): (Vec3, Vec3), point: Vec3, [begin, end]: [f32; 2]) -> Option<Self> {
+    /// `None` if the stretch is seen at no angle, or comes no nearer than `most`. Its end may be infinite.
+    pub(super) fn new(
+        (org, dir): (Vec3, Vec3),
+        point: Vec3,
+        [begin, end]: [f32; 2],
+        most: f32,
+    ) -> Option<Self> {
         let offset = point - org;
         let middle = offset.dot(dir);
         let height = (offset - dir * middle).length().max(LEAST * offset.length());
+        if (middle.clamp(begin, end) - middle).hypot(height) >= most {
+            return None;
+        }
         let [first, last] = [begin, end].map(|t| ((t - middle) / height).atan());
         let angle = last - first;
         (height > 0.0 && angle > 0.0 && middle.is_finite()).then_some(Self { middle, height, first, angle })
@@ -62,7 +70,7 @@ mod tests {
             // On the ray itself.
             (ray.0 + ray.1 * 2.0, [0.0, 3.0]),
         ] {
-            let found = Equiangular::new(ray, point, span).expect("an angle");
+            let found = Equiangular::new(ray, point, span, f32::INFINITY).expect("an angle");
             let far = span[1].min(1e3);
             // The share of samples before a parameter is the integral of the density up to there.
             for k in 1..20 {
@@ -77,9 +85,11 @@ mod tests {
                 assert!((integral - f64::from(u)).abs() < 2e-3, "{point} {u}: {integral}");
             }
         }
-        let beside =
-            Equiangular::new((Vec3::ZERO, Vec3::X), Vec3::new(2.0, 3.0, 0.0), [6.0, 9.0]).expect("an angle");
+        let beside = Equiangular::new((Vec3::ZERO, Vec3::X), Vec3::new(2.0, 3.0, 0.0), [6.0, 9.0], 5.5)
+            .expect("an angle");
         assert_eq!(beside.closest([6.0, 9.0]), 5.0);
-        assert!(Equiangular::new(ray, ray.0, [1.0, 1.0]).is_none(), "an empty stretch");
+        assert!(Equiangular::new(ray, ray.0, [1.0, 1.0], 9.0).is_none(), "an empty stretch");
+        let far = Equiangular::new((Vec3::ZERO, Vec3::X), Vec3::new(2.0, 3.0, 0.0), [6.0, 9.0], 4.5);
+        assert!(far.is_none(), "too far");
     }
 }

@@ -44,9 +44,14 @@ impl Random {
         Self::new(seed, key, [edges, layer, 2], (0, 0))
     }
 
-    /// Those on the way to a place near a lamp, along an edge.
-    pub(super) fn of_lamp(seed: u64, key: SampleKey, edges: u32) -> Self {
-        Self::new(seed, key, [edges, 0, 4], (0, 0))
+    /// Those of a further purpose along the same edge.
+    pub(super) fn beside(&self, more: u32) -> Self {
+        Self { first: None, stratified: 0, state: hash_combine(self.state, more), count: 0, ..*self }
+    }
+
+    /// A pair of this purpose along the same edge, stratified over the samples of a pixel.
+    pub(super) fn pair_of(&self, purpose: u32) -> [f32; 2] {
+        self.first.map_or([0.5; 2], |first| first.pair(purpose))
     }
 
     /// Those of a walk below the surface at the end of an edge.

@@ -138,14 +138,14 @@ pub(crate) fn fly(
         }
         let length = if hits.prim_id[i] == INVALID_ID { f32::INFINITY } else { hits.t[i] };
         let way = (org, dir, length);
+        let mut random = Random::of_edge(options.seed, key, path.edges);
         let takes_light = path.edges < options.max_depth;
         let certain = CertainFlight::of(&parts, &path, length).filter(|_| takes_light);
         let scattered = certain.as_ref().map_or(1.0, CertainFlight::chance);
-        let mut near = NearLamps::of((world, options), &parts, &path, way);
+        let mut near = NearLamps::of((world, options), (&parts, &random), &path, way);
         if let Some(near) = &mut near {
             near.add(world, (&parts, scattered), (i as u32, org, dir), lamps);
         }
-        let mut random = Random::of_edge(options.seed, key, path.edges);
         let flight = parts.fly(length, path.throughput, &mut random);
         if flight.emitted != Vec3::ZERO {
             let light = add(radiance, path.lane, flight.emitted, path.edges, options.clamp);
@@ -161,7 +161,7 @@ pub(crate) fn fly(
         let Some((t, number)) = flight.scattered else {
             if let Some(certain) = certain {
                 let from = (&path, i as u32, org, dir);
-                certain.add((world, options.seed), (&parts, near.as_ref()), from, lamps);
+                certain.add((world, &random), (&parts, near.as_ref()), from, lamps);
             }
             continue;
         };

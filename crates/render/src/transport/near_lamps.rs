@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 use gnurt_shading::SampleKey;
-use gnurt_shading::sampling::{hash_combine, purpose, sample_pair};
+use gnurt_shading::sampling::{hash_combine, purpose};
 
 use super::equiangular::Equiangular;
 use super::flight::{Parts, Random};
@@ -22,9 +22,10 @@ use crate::world::World;
 const ALWAYS: f32 = 0.5;
 /// The lamps' branch of a key.
 const BRANCH: u32 = 0x6c61_6d70;
-
 /// Lamps that are drawn for an edge, one of them for its place. With one alone flights near the others kept their whole weight.
 const LAMPS: usize = 3;
+/// Edges of a path that have so many; later ones, whose noise is seen less, have one.
+const FIRST_EDGES: u32 = 2;
 
 /// The distances along an edge by the angles of lamps.
 pub(super) struct NearLamps<'a> {
@@ -32,7 +33,8 @@ pub(super) struct NearLamps<'a> {
     lamps: [Option<(Equiangular, f32)>; LAMPS],
     throughput: Vec3,
     random: Random,
-    seed: u64,
+    /// Numbers for a place.
+    place: [f32; 2],
     path: &'a Path,
 }
 
@@ -40,12 +42,12 @@ impl<'a> NearLamps<'a> {
     /// Those of a path's edge up to `length`; `None` if no lamp is near.
     pub(super) fn of(
         (world, options): (&World, &RenderOptions),
-        parts: &Parts,
+        (parts, edge): (&Parts, &Random),
         path: &'a Path,
         (org, dir, length): (Vec3, Vec3, f32),
     ) -> Option<Self> {
         let (lights, throughput) = (world.light_set(), path.throughput);
-        if !lights.has_near()
+        if lights.near_count() == 0
             || path.edges >= options.max_depth
             || throughput == Vec3::ZERO
             || !throughput.is_finite()
@@ -53,11 +55,12 @@ impl<'a> NearLamps<'a> {
             return None;
         }
         let span = parts.scattering_span(length)?;
-        let mut random = Random::of_lamp(options.seed, path.key, path.edges);
+        let mut random = edge.beside(BRANCH);
         let mut numbers = || random.next();
         let (reach, mean) = (span[1] - span[0], parts.mean_distance());
         // Light of farther lamps changes less along the ray than density does.
         let scale = mean.min(reach);
+        let count = if path.edges <= FIRST_EDGES { LAMPS.min(lights.near_count()) } else { 1 };
         let lamp = |u: f32, choice: [f32; 3]| {
             // Chosen as from a place on the ray: as flights end, or evenly.
             let away = match mean.is_finite() {
@@ -65,19 +68,25 @@ impl<'a> NearLamps<'a> {
                 false => reach * u,
             };
             let from = org + dir * (span[0] + away.min(reach));
-            let angles = Equiangular::new((org, dir), lights.near_place(from, choice)?, span)?;
-            let closest = angles.closest(span);
-            let closeness = ALWAYS * scale / closest;
-            (closest < scale).then_some((angles, (closeness * closeness).min(1.0) / LAMPS as f32))
+            let angles = Equiangular::new((org, dir), lights.near_place(from, choice)?, span, scale)?;
+            let closeness = ALWAYS * scale / angles.closest(span);
+            Some((angles, (closeness * closeness).min(1.0) / count as f32))
         };
         let [u, choice] = [numbers(), numbers()];
-        let lamps = std::array::from_fn(|k| {
+        let mut lamps = [None; LAMPS];
+        for (k, drawn) in lamps.iter_mut().enumerate().take(count) {
             // Both numbers in parts of their own, the second in another order.
-            let part = |first: f32, k: usize| ((k as f32 + first) / LAMPS as f32).min(1.0_f32.next_down());
-            lamp(part(u, k), [part(choice, (k + 1) % LAMPS), numbers(), numbers()])
-        });
+            let part = |first: f32, k: usize| ((k as f32 + first) / count as f32).min(1.0_f32.next_down());
+            *drawn = lamp(part(u, k), [part(choice, (k + 1) % count), numbers(), numbers()]);
+        }
         let is_near = lamps.iter().any(Option::is_some);
-        is_near.then_some(Self { lamps, throughput, random, seed: options.seed, path })
+        is_near.then_some(Self {
+            lamps,
+            throughput,
+            random,
+            place: edge.pair_of(purpose::LAMP_DISTANCE),
+            path,
+        })
     }
 
     /// The density of places at `t`.
@@ -99,7 +108,7 @@ impl<'a> NearLamps<'a> {
         vertices: &mut MediumVertices,
     ) {
         let key = self.path.key;
-        let [u, choice] = sample_pair(self.seed, key, self.path.edges, purpose::LAMP_DISTANCE);
+        let [u, choice] = self.place;
         let mut rest = choice;
         let Some((angles, _)) = self.lamps.iter().flatten().find(|(_, chance)| {
             rest -= chance;

@@ -10,10 +10,10 @@ use super::light_parts::{LightId, LightKind};
 use super::light_set::LightSet;
 
 impl LightSet {
-    /// Whether some light has a position.
+    /// The number of lights with a position.
     #[must_use]
-    pub fn has_near(&self) -> bool {
-        self.parts.finite_count() > 0
+    pub fn near_count(&self) -> usize {
+        self.parts.finite_count()
     }
 
     /// Where a light that is likely to matter at `p` sends its light from: a place on it, or the middle of a sphere. By three
