@@ -75,8 +75,8 @@ pub(crate) fn unguided_share(
     if now > 0.0 { by_lobes / now } else { 1.0 }
 }
 
-/// Whether a vertex that a path reached by this number of edges samples each group of lights: only the first, because its
-/// noise is seen most, and longer paths would send more rays for less; each if that is one group.
+/// Whether a vertex that a path reached by this number of edges samples each group of lights. Of several only the first
+/// does, because its noise is seen most, and longer paths would send more rays for less. One group is sampled by all.
 pub(crate) fn splits(lights: &LightSet, edges: u32) -> bool {
     let groups = lights.split_groups().len();
     groups == 1 || groups > 1 && edges == 1

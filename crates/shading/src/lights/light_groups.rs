@@ -51,7 +51,7 @@ impl LightSet {
     }
 
     /// The groups that are sampled one by one at vertices which are worth a ray to each; none where there is but one, or many.
-    /// A sky that is nearly the same on all sides is not worth one: what is left may be one group, whose samples would only be
+    /// A sky that is nearly the same on all sides is not worth one. One group may be left then: its samples would only be
     /// noisier if a few of them were the sky's.
     #[must_use]
     pub fn split_groups(&self) -> std::ops::Range<usize> {
