@@ -13,8 +13,6 @@ use crate::workspace::Workspace;
 
 /// Packages for the tests.
 const PACKAGES: [&str; 2] = ["numpy", "pytest"];
-/// Runs tests in several processes, a file at a time; without it they run one after the other.
-const SIDE_BY_SIDE: &str = "pytest-xdist";
 /// Packages for the notebooks; without them these are not run.
 const NOTEBOOKS: [&str; 3] = ["matplotlib", "nbclient", "ipykernel"];
 /// Packages that call our rays; without them their tests are skipped. Not embreex: `gnurt.trimesh` must do
@@ -45,15 +43,13 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let (built, beside) = (target.join("debug").join(device), source.join("python/gnurt").join(device));
     std::fs::copy(&built, &beside).map_err(|error| format!("{}: {error}", built.display()))?;
     let environment = target.join("python");
-    let Some((python, is_parallel)) = environment_with_packages(&environment) else { return Ok(()) };
+    let Some(python) = environment_with_packages(&environment) else { return Ok(()) };
     let mut tests = Command::new(&python);
     let options = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"];
-    let parallel: &[&str] = if is_parallel { &["-n", "auto", "--dist", "loadfile"] } else { &[] };
     command::run(
         tests
             .current_dir(&source)
             .args(options)
-            .args(parallel)
             // Some tests start programs in other folders.
             .env("PYTHONPATH", source.join("python"))
             .env("GNURT", target.join("debug/gnurt"))
@@ -77,8 +73,8 @@ pub(crate) fn lint_licences() -> Result<(), Failure> {
     command::run(Command::new(&python).args(["-m", "reuse", "lint", "--lines"]).current_dir(command::root()))
 }
 
-/// The interpreter of an environment with the packages for the tests, and whether they may run side by side.
-fn environment_with_packages(folder: &Path) -> Option<(std::path::PathBuf, bool)> {
+/// The interpreter of an environment with the packages for the tests.
+fn environment_with_packages(folder: &Path) -> Option<std::path::PathBuf> {
     let is_new = "import sys, ensurepip; sys.exit(sys.version_info < (3, 11))";
     if !succeeds(Command::new("python3").args(["-c", is_new])) {
         eprintln!("SKIPPED: tests of the Python package; they need Python 3.11 or later with venv");
@@ -101,8 +97,7 @@ fn environment_with_packages(folder: &Path) -> Option<(std::path::PathBuf, bool)
             eprintln!("SKIPPED: {what}; pip could not install {}", packages.join(" and "));
         }
     }
-    let is_parallel = has(&["xdist"]) || succeeds(Command::new(&python).args(INSTALL).arg(SIDE_BY_SIDE));
-    Some((python, is_parallel))
+    Some(python)
 }
 
 fn succeeds(command: &mut Command) -> bool {

@@ -176,6 +176,8 @@ def test_wrong_arguments(call, error, words):
 
 
 def test_ctrl_c():
+    # Programs in the background of a shell begin without a handler.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
