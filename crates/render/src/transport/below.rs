@@ -11,7 +11,7 @@ use gnurt_shading::SampleKey;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::phase::Phase;
 
-use super::flight::Random;
+use super::flight::{Random, channel_by};
 use super::half_space::HalfSpace;
 use crate::world::HitLanes;
 
@@ -98,13 +98,7 @@ impl Walk {
         } else {
             (u - self.outward_share) / (1.0 - self.outward_share)
         };
-        let mut rest = u * self.light();
-        let mut channel = 0;
-        while channel < 2 && rest >= self.throughput[channel] {
-            rest -= self.throughput[channel];
-            channel += 1;
-        }
-        (channel, leads_out)
+        (channel_by(self.throughput, u), leads_out)
     }
 
     /// Chooses the distance to the first event.

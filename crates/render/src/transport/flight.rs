@@ -137,6 +137,17 @@ fn left(coefficient: Vec3, distance: f32) -> Vec3 {
     Vec3::new(one(coefficient.x), one(coefficient.y), one(coefficient.z))
 }
 
+/// A channel by a number in [0, 1), in proportion to the light of the channels.
+pub(super) fn channel_by(light: Vec3, u: f32) -> usize {
+    let mut rest = u * light.element_sum();
+    let mut channel = 0;
+    while channel < 2 && rest >= light[channel] {
+        rest -= light[channel];
+        channel += 1;
+    }
+    channel
+}
+
 /// Exponentially distributed, mean 1.
 fn distance(u: f32) -> f32 {
     -(1.0 - u).max(f32::MIN_POSITIVE).ln()

@@ -16,8 +16,8 @@ use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, Rays, SampleKey, SurfaceBatch, Vec3s};
 
-use super::certain_flight::CertainFlight;
 use super::flight::{Parts, Random};
+use super::forced_collision::ForcedCollision;
 use super::medium_vertices::{MediumVertex, MediumVertices};
 use super::mis::{most_light_samples, power_heuristic};
 use super::near_lamps::NearLamps;
@@ -140,8 +140,8 @@ pub(crate) fn fly(
         let way = (org, dir, length);
         let mut random = Random::of_edge(options.seed, key, path.edges);
         let takes_light = path.edges < options.max_depth;
-        let certain = CertainFlight::of(&parts, &path, length).filter(|_| takes_light);
-        let scattered = certain.as_ref().map_or(1.0, CertainFlight::chance);
+        let forced = takes_light.then(|| ForcedCollision::of(&parts, &path, length)).flatten();
+        let scattered = forced.as_ref().map_or(1.0, ForcedCollision::chance);
         let mut near = NearLamps::of((world, options), (&parts, &random), &path, way);
         if let Some(near) = &mut near {
             near.add(world, (&parts, scattered), (i as u32, org, dir), lamps);
@@ -159,9 +159,9 @@ pub(crate) fn fly(
         }
         paths.throughput.set(i, flight.throughput);
         let Some((t, number)) = flight.scattered else {
-            if let Some(certain) = certain {
+            if let Some(forced) = forced {
                 let from = (&path, i as u32, org, dir);
-                certain.add((world, &random), (&parts, near.as_ref()), from, lamps);
+                forced.add((world, &random), (&parts, near.as_ref()), from, lamps);
             }
             continue;
         };

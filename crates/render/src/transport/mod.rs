@@ -5,9 +5,9 @@
 
 pub(crate) mod absorption;
 mod below;
-mod certain_flight;
 mod equiangular;
 mod flight;
+mod forced_collision;
 mod half_space;
 mod light_samples;
 pub(crate) mod links;

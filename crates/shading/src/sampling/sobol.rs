@@ -33,8 +33,8 @@ pub mod purpose {
     pub const CAUSTIC: u32 = 10;
     /// Position on that lamp.
     pub const CAUSTIC_POSITION: u32 = 11;
-    /// A distance in a medium that a flight passed.
-    pub const CERTAIN_DISTANCE: u32 = 12;
+    /// A distance in a medium that a flight passed: a forced collision.
+    pub const FORCED_DISTANCE: u32 = 12;
     /// Choice of a light of the first group, and the position on it, where groups are sampled one by one; group i has
     /// `LIGHT_GROUP + i`.
     pub const LIGHT_GROUP: u32 = 0x10;

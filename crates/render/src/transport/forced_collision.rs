@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light of even media that flights pass: where a flight goes through, a place is drawn as if it had been scattered for certain.
-//! Source: forced collisions [SG69]. A flight is scattered with the probability q; its end then counts q for light samples,
+//! Light of even media that flights pass: where a flight goes through, a collision is forced for a light sample.
+//! Source: [SG69]. A flight is scattered with the probability q; its end then counts q for light samples,
 //! and so does the place that is drawn where it is not: each flight brings one light sample, and that chance makes no noise.
 //! Space: world. Tests: crates/render/tests/media.rs.
 
@@ -8,7 +8,7 @@ use glam::Vec3;
 use gnurt_shading::SampleKey;
 use gnurt_shading::sampling::{hash_combine, purpose};
 
-use super::flight::{Parts, Random};
+use super::flight::{Parts, Random, channel_by};
 use super::medium_vertices::{MediumVertex, MediumVertices};
 use super::near_lamps::NearLamps;
 use super::paths::Path;
@@ -18,7 +18,7 @@ use crate::world::World;
 const BRANCH: u32 = 0x7061_7373;
 
 /// Flights along one edge, if they are scattered.
-pub(super) struct CertainFlight {
+pub(super) struct ForcedCollision {
     /// Of the one even medium along it.
     extinction: Vec3,
     /// By channel, the light of the path and the part of it that is scattered.
@@ -26,12 +26,13 @@ pub(super) struct CertainFlight {
     scattered: Vec3,
 }
 
-impl CertainFlight {
+impl ForcedCollision {
     /// Those of a path's edge of a finite length, in one even medium.
     pub(super) fn of(parts: &Parts, path: &Path, length: f32) -> Option<Self> {
         let extinction = parts.even_extinction(length)?;
         let shares = path.throughput / path.throughput.element_sum();
-        let scattered = Vec3::ONE - (-extinction * length).exp();
+        // Exact where media are thin, too.
+        let scattered = Vec3::from((extinction * length).to_array().map(|depth| -(-depth).exp_m1()));
         let is_sound = length.is_finite() && shares.is_finite() && shares.dot(scattered) > 0.0;
         is_sound.then_some(Self { extinction, shares, scattered })
     }
@@ -43,14 +44,8 @@ impl CertainFlight {
 
     /// A distance, by two numbers in [0, 1).
     fn sample(&self, [choice, u]: [f32; 2]) -> f32 {
-        let lit = self.shares * self.scattered;
-        let mut rest = choice * lit.element_sum();
-        let mut channel = 0;
-        while channel < 2 && rest >= lit[channel] {
-            rest -= lit[channel];
-            channel += 1;
-        }
-        -(1.0 - u * self.scattered[channel]).ln() / self.extinction[channel]
+        let channel = channel_by(self.shares * self.scattered, choice);
+        -(-u * self.scattered[channel]).ln_1p() / self.extinction[channel]
     }
 
     /// Adds the place of a flight that was not scattered, for a light sample.
@@ -61,7 +56,7 @@ impl CertainFlight {
         (path, number, org, dir): (&Path, u32, Vec3, Vec3),
         vertices: &mut MediumVertices,
     ) {
-        let t = self.sample(edge.pair_of(purpose::CERTAIN_DISTANCE));
+        let t = self.sample(edge.pair_of(purpose::FORCED_DISTANCE));
         let density = parts.density(t, path.throughput) / self.chance();
         let Some((weight, medium)) = parts.goes_to(t, path.throughput, &mut edge.beside(BRANCH)) else {
             return;
