@@ -6,7 +6,7 @@
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::Vec3;
-use gnurt::scene::{Affine, Light, MaterialId, Mesh};
+use gnurt::scene::{Affine, ConeEdge, Light, MaterialId, Mesh};
 
 use crate::area_light::{AreaLight, Distribution, Side};
 use crate::ffi_array::Array;
@@ -135,6 +135,8 @@ pub(crate) fn light(object: &Object, to_world: &Affine, material: MaterialId) ->
                 intensity: intensity.max(Vec3::ZERO).to_array(),
                 inner_angle: inner.min(outer - 1e-4).max(0.0),
                 outer_angle: outer.max(2e-4),
+                edge: ConeEdge::default(),
+                radius: 0.0,
             })
         }
         "quad" => quad(&read, material)?,
@@ -151,7 +153,7 @@ fn ball(read: &Reader, material: MaterialId) -> Made {
     if disc <= 0.0 || disc.is_nan() {
         let intensity = read.color() * read.intensity(2.0 * TAU);
         let intensity = intensity.max(Vec3::ZERO).to_array();
-        return Made::Small(Light::Point { position: position.to_array(), intensity });
+        return Made::Small(Light::Point { position: position.to_array(), intensity, radius: 0.0 });
     }
     // Seen from everywhere as a disc; its surface is four of them.
     let radiance = match (read.now.f32("radiance"), read.now.f32("power")) {
@@ -208,7 +210,15 @@ fn ring(read: &Reader, material: MaterialId) -> Result<Made, String> {
         let (position, direction) = (position.to_array(), axis.to_array());
         let [outer_angle, inner_angle] = cone.map(|angle| angle.min(FRAC_PI_2));
         let inner_angle = inner_angle.min(outer_angle - 1e-4).max(0.0);
-        return Ok(Made::Small(Light::Spot { position, direction, intensity, inner_angle, outer_angle }));
+        return Ok(Made::Small(Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+            edge: ConeEdge::default(),
+            radius: 0.0,
+        }));
     }
     let within = PI * cone[0].min(FRAC_PI_2).sin().powi(2);
     let radiance = read.color() * read.radiance(area, within.max(1e-6), 1.0);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights: those with a size are shapes that emit, so that mirrors show them; those without are lights of the shading language.
+"""Lights: those with a size are shapes that emit, so that mirrors show them. Points, spots and suns light the scene as lights of those kinds, or
+of the shading language where light falls otherwise than with the square of the distance.
 
 Units: watts for points, spots and areas, W/m2 for suns, as in Blender. A point of P watts has the radiant intensity P / (4 pi^2)
 times pi, which Blender spreads over its sphere. Space: world.
@@ -13,7 +14,7 @@ import numpy as np
 from . import links
 from .nodes.tree import fed_by
 
-# Points and spots in one light of the language; it chooses one of them for each sample.
+# Points and spots in one light of the language, those whose light falls otherwise; it chooses one of them for each sample.
 MOST_TOGETHER = 48
 # Narrow areas that are sampled one by one.
 MOST_SAMPLED = 16
@@ -144,7 +145,7 @@ def flat_shape(shape, size, size_y, segments=48):
 
 
 def put_points(scene, points):
-    """Points and spots together, as lights that choose among them."""
+    """Points and spots with a falloff of their own together, as lights that choose among them."""
     for first in range(0, len(points), MOST_TOGETHER):
         some = points[first : first + MOST_TOGETHER]
         text = POINT.replace("NUMBERS", str(NUMBERS)).replace("TOTAL", str(NUMBERS * len(some))).replace("COUNT", str(len(some)))
@@ -180,8 +181,9 @@ class Lamp:
         self.color = self._color()
         # Whether its nodes are in its colour.
         self.is_plain = False
+        self.has_links = links.are_there(lamp_object)
         # Lights of the language light neither media nor some objects alone.
-        self.is_shape = export.has_media or links.are_there(lamp_object)
+        self.is_shape = export.has_media or self.has_links
 
     def _color(self):
         data = self.data
@@ -210,19 +212,23 @@ class Lamp:
         where = self.matrix[:3, 3]
         normalize = getattr(data, "normalize", True)
         is_soft = getattr(data, "use_soft_falloff", True)
-        falloff = falloff_of(data) if self.has_nodes() and not self.is_shape else None
-        is_sampled = (falloff is not None or not self.has_nodes()) and (radius <= 0 or is_soft) and not self.is_shape
+        falloff = falloff_of(data) if self.has_nodes() else None
+        color, *powers = falloff or (1.0, 0.0, 0.0)
+        # Light that falls with another power of the distance is one of the language.
+        is_script = any(powers)
+        is_sampled = (falloff is not None or not self.has_nodes()) and (radius <= 0 or is_soft) and not (is_script and self.is_shape)
         if is_sampled:
-            if falloff is not None:
-                # The lamp itself is seen as it is at a distance of 1.
-                self.color, self.is_plain = self.color * falloff[0], True
-            _, *falloff = falloff or (1.0, 0.0, 0.0)
+            # The lamp itself is seen as it is at a distance of 1.
+            self.color, self.is_plain = self.color * color, True
             power = self.color / (4 * math.pi)
             if not normalize:
                 power = self.color * (radius * radius if radius > 0 else 1 / math.pi)
-            cone = self.spot()
-            own = [*power, *where, radius, *cone.get("axis", (0, 0, -1)), cone.get("cone", -2.0), cone.get("smooth", 0.0), *falloff]
-            self.export.points.append([float(x) for x in own])
+            if is_script:
+                cone = self.spot()
+                own = [*power, *where, radius, *cone.get("axis", (0, 0, -1)), cone.get("cone", -2.0), cone.get("smooth", 0.0), *powers]
+                self.export.points.append([float(x) for x in own])
+            else:
+                self.disc_to_all(power, where, radius)
             if radius <= 0:
                 return
         radius = max(radius, 1e-3)
@@ -235,6 +241,20 @@ class Lamp:
         place[:3, 3] = where
         self.shape(partial(self.export.scene.add_points, [(0, 0, 0)], [radius], transform=place), light, self.spot(), is_sampled)
 
+    def disc_to_all(self, power, where, radius):
+        """A light that is a disc facing whoever sees it, as a point or spot of Blender is."""
+        data = self.data
+        given = {"position": tuple(where), "intensity": tuple(power), "radius": radius}
+        if data.type == "SPOT":
+            # The edge is a part of the cone's share of the axis.
+            cone = math.cos(data.spot_size / 2)
+            inner = math.acos(min(cone + (1 - cone) * data.spot_blend, 1.0))
+            angles = {"outer_angle": math.degrees(data.spot_size / 2), "inner_angle": math.degrees(inner)}
+            given |= {"direction": tuple(-self.turn[:, 2]), "edge": "smooth", **angles}
+        number = self.export.scene.add_light(data.type.lower(), **given)
+        if self.has_links:
+            self.export.linked_lights.setdefault(self.object.name, []).append(number)
+
     def sun(self):
         radius = math.sin(min(self.data.angle, math.pi) / 2)
         color = self.color
@@ -242,7 +262,7 @@ class Lamp:
             self.export.warn(f"light '{self.object.name}': nodes of suns are not shown")
         if radius > 0 and not getattr(self.data, "normalize", True):
             color = color * math.pi * radius * radius
-        if links.are_there(self.object):
+        if self.has_links:
             self.disc(color, max(radius, 1e-4), False)
             return
         angle = math.degrees(min(self.data.angle, math.pi))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light links: the objects that a light reaches, and those that cast its shadows, by collections of Blender.
 
-Lights with links are shapes that shine, whose instances have the names of their objects.
+Lights with links are lights of the scene or shapes that shine, whose instances have the names of their objects.
 """
 
 FIELDS = {"receiver_collection": "link", "blocker_collection": "shadow_link"}
@@ -40,6 +40,8 @@ def put(export):
             value = ",".join(included) or "none"
             if not included and excluded:
                 value = "^" + ",".join(excluded)
+            for number in export.linked_lights.get(found.name, []):
+                export.scene.set(f"lights.{number}.{field}={value}")
             try:
                 export.scene.set(f"instances.{found.name}.{field}={value}")
             except ValueError:

@@ -157,8 +157,8 @@ class Export:
         self.numbers = {}
         # Shapes at moments of the shutter by object and instance, and instances whose meshes have such.
         self.shapes, self.bent = shapes or {}, []
-        # Numbers of points and spots, which go over together.
-        self.points = []
+        # Numbers of points and spots, which go over together; lights of the package's scene by the names of lights with links.
+        self.points, self.linked_lights = [], {}
         self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
         # Objects that are lights for some objects only.
         self.linked = [] if self.is_dark else [found for found in depsgraph.objects if links.are_there(found)]

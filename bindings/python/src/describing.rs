@@ -9,7 +9,7 @@ use gnurt::scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescenc
 use gnurt::scene::material::{
     Alpha, BumpMap, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef,
 };
-use gnurt::scene::{Camera, Lens, Light, Material, MediumId, Projection, Surface, Texture};
+use gnurt::scene::{Camera, ConeEdge, Lens, Light, Material, MediumId, Projection, Surface, Texture};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -209,8 +209,16 @@ pub(crate) fn light(kind: &str, given: &mut Given, pictures: &dyn Pictures) -> P
         }
     };
     let intensity = |given: &mut Given| Ok::<_, PyErr>(given.color("intensity")?.unwrap_or([1.0; 3]));
+    let radius = |given: &mut Given| Ok::<_, PyErr>(given.number("radius", 0.0, MOST)?.unwrap_or(0.0) as f32);
+    let edge = |given: &mut Given| match given.text("edge")?.as_deref() {
+        None | Some("squared") => Ok(ConeEdge::Squared),
+        Some("smooth") => Ok(ConeEdge::Smooth),
+        Some(other) => Err(PyValueError::new_err(format!("edge: expected squared or smooth, not '{other}'"))),
+    };
     Ok(NewLight::Light(match kind {
-        "point" => Light::Point { position: position(given)?, intensity: intensity(given)? },
+        "point" => {
+            Light::Point { position: position(given)?, intensity: intensity(given)?, radius: radius(given)? }
+        }
         "spot" => {
             let outer = given.number("outer_angle", 0.01, 90.0)?.unwrap_or(45.0);
             let inner = given.number("inner_angle", 0.0, outer)?.unwrap_or(0.0);
@@ -222,6 +230,8 @@ pub(crate) fn light(kind: &str, given: &mut Given, pictures: &dyn Pictures) -> P
                 intensity: intensity(given)?,
                 inner_angle: inner.to_radians() as f32,
                 outer_angle: outer.to_radians() as f32,
+                edge: edge(given)?,
+                radius: radius(given)?,
             }
         }
         "directional" => Light::Directional {

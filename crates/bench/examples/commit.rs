@@ -159,7 +159,7 @@ fn scene_of(count: u32) -> Scene {
     }
     let texture = scene.add_texture(sky());
     scene.add_light(sky_light(texture));
-    scene.add_light(Light::Point { position: [0.0, 50.0, 0.0], intensity: [100.0; 3] });
+    scene.add_light(Light::Point { position: [0.0, 50.0, 0.0], intensity: [100.0; 3], radius: 0.0 });
     let eye = [0.0, 30.0, 0.5 * side as f32 + 5.0];
     let target = [0.0; 3];
     scene.add_camera(Camera {

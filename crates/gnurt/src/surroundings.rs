@@ -206,7 +206,7 @@ mod tests {
             texture: None,
             world_from_light: Affine::IDENTITY,
         });
-        let emitter = Light::Point { position: [0.0; 3], intensity: [1.0; 3] };
+        let emitter = Light::Point { position: [0.0; 3], intensity: [1.0; 3], radius: 0.0 };
         scene.add_light(emitter.clone());
         let missing = Surroundings::Picture("no/such/sky.hdr".into());
         let before = scene.lights().to_vec();

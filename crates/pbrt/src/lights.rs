@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use gnurt_scene::io::reader::{Access, quoted, resolve};
 use gnurt_scene::io::{Error, Oddity, Warnings};
-use gnurt_scene::{Affine, Light};
+use gnurt_scene::{Affine, ConeEdge, Light};
 
 use crate::location::Location;
 use crate::parameter::Parameters;
@@ -127,6 +127,7 @@ impl Reading<'_> {
                     spectrum(parameters, "I", self.access)?,
                     self.scale(parameters)? * power(4.0 * PI)?,
                 ),
+                radius: 0.0,
             },
             "spot" => self.spot(parameters, power)?,
             "distant" => {
@@ -147,6 +148,7 @@ impl Reading<'_> {
                         spectrum(parameters, "I", self.access)?,
                         self.scale(parameters)? * power(4.0 * PI)?,
                     ),
+                    radius: 0.0,
                 };
                 return pictured(parameters, light, true);
             }
@@ -165,6 +167,8 @@ impl Reading<'_> {
                     intensity: [self.scale(parameters)? * power(solid)?; 3],
                     inner_angle: 0.999 * half,
                     outer_angle: half,
+                    edge: ConeEdge::default(),
+                    radius: 0.0,
                 };
                 return pictured(parameters, light, false);
             }
@@ -187,8 +191,6 @@ impl Reading<'_> {
         let inner = (outer - parameters.float_or("conedeltaangle", 5.0)?).clamp(0.0, outer);
         let [cos_end, cos_start] = [outer, inner].map(|angle| angle.to_radians().cos());
         let of_unit = 2.0 * PI * ((1.0 - cos_start) + (cos_start - cos_end) / 2.0);
-        // The mean of our edge is a third, that of pbrt's a half.
-        let cos_inner = 0.75 * cos_start + 0.25 * cos_end;
         let from = parameters.triple_or("from", [0.0; 3])?;
         Ok(Light::Spot {
             position: single(self.point(from)),
@@ -197,8 +199,10 @@ impl Reading<'_> {
                 spectrum(parameters, "I", self.access)?,
                 self.scale(parameters)? * power(of_unit)?,
             ),
-            inner_angle: cos_inner.clamp(-1.0, 1.0).acos(),
+            inner_angle: inner.to_radians(),
             outer_angle: outer.to_radians(),
+            edge: ConeEdge::Smooth,
+            radius: 0.0,
         })
     }
 

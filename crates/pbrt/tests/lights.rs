@@ -43,6 +43,15 @@ fn scales_are_those_of_pbrt() {
 }
 
 #[test]
+fn spots_fade_as_in_pbrt() {
+    let (loaded, _folder) = read_with_files("WorldBegin\nLightSource \"spot\"\nShape \"disk\"\n", &[]);
+    let scene = loaded.expect("a scene").scene;
+    let [Light::Spot { inner_angle, outer_angle, edge, .. }] = scene.lights() else { panic!("a spot") };
+    near([*inner_angle, *outer_angle, 0.0].map(f32::to_degrees), [25.0, 30.0, 0.0]);
+    assert_eq!(*edge, gnurt_scene::ConeEdge::Smooth);
+}
+
+#[test]
 fn the_film_scales_all_light() {
     let text = "Camera \"perspective\" \"float shutterclose\" 0.5\nFilm \"rgb\" \"float iso\" 400\nWorldBegin\n\
         LightSource \"point\"\nShape \"disk\"\n";

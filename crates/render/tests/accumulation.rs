@@ -17,7 +17,7 @@ fn corner() -> (World, SceneCamera) {
     put_mesh(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 8, mirror));
     let light = emitter(&mut scene, [8.0, 7.0, 6.0]);
     put_mesh(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
-    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3] });
+    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3], radius: 0.0 });
     (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0))
 }
 
@@ -86,7 +86,7 @@ fn passes_share_what_they_learn() {
     let mut scene = floor(0.6, 5.0);
     for i in 0..6 {
         let position = [i as f32 - 2.5, 0.3 * i as f32, 0.2 + 0.1 * i as f32];
-        scene.add_light(Light::Point { position, intensity: [1.0 + i as f32; 3] });
+        scene.add_light(Light::Point { position, intensity: [1.0 + i as f32; 3], radius: 0.0 });
     }
     let (world, pool) = (world_of(&scene, false), pool(2));
     let options = RenderOptions { integrator: Integrator::InstantRadiosity, vpls: 64, ..options(12, 9, 3) };

@@ -178,7 +178,9 @@ fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>>
     let placement = [0.3, 0.5, 1.4 * up];
     let opacity = Opacity { factor: 1.0, texture: None, channel: OpacityChannel::Alpha };
     match name {
-        "point" => _ = scene.add_light(Light::Point { position: placement, intensity: [3.0; 3] }),
+        "point" => {
+            _ = scene.add_light(Light::Point { position: placement, intensity: [3.0; 3], radius: 0.0 })
+        }
         "spot" => {
             _ = scene.add_light(Light::Spot {
                 position: placement,
@@ -186,6 +188,8 @@ fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>>
                 intensity: [3.0; 3],
                 inner_angle: 0.3,
                 outer_angle: 0.6,
+                edge: gnurt_scene::ConeEdge::Smooth,
+                radius: 0.3,
             });
         }
         "directional" => {
@@ -209,7 +213,7 @@ fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>>
             });
         }
         "plugin" => {
-            let point = PointLight { position: placement.into(), intensity: [3.0; 3].into() };
+            let point = PointLight::new(placement.into(), [3.0; 3].into());
             return Some(Arc::new(Heeding(point)));
         }
         _ => {
@@ -379,7 +383,11 @@ fn lights_behind_rough_glass_shine_through() {
         let value = f64::from(glass(thin).eval(wo, dir).x);
         assert!(value > 1e-3, "it goes through: {value}");
         let lights = [
-            ("point", Light::Point { position: position.into(), intensity: [3.0; 3] }, 3.0 / distance2),
+            (
+                "point",
+                Light::Point { position: position.into(), intensity: [3.0; 3], radius: 0.0 },
+                3.0 / distance2,
+            ),
             ("spot", spot(position), 3.0 / distance2),
             (
                 "directional",
@@ -409,7 +417,7 @@ fn lights_behind_rough_glass_shine_through() {
                 let what = format!("{integrator}, thin: {thin}, {name} at height {}", position.z);
                 assert_close(found, value * f64::from(*arriving), 2e-3, &what);
             }
-            let point = PointLight { position, intensity: Vec3::splat(3.0) };
+            let point = PointLight::new(position, Vec3::splat(3.0));
             let found = direct(&pane(), vec![Arc::new(Heeding(point))], integrator);
             let what = format!("{integrator}, thin: {thin}, a plugin's at height {}", position.z);
             assert_close(found, value * f64::from(3.0 / distance2), 2e-3, &what);
@@ -485,6 +493,8 @@ fn spot(position: Vec3) -> Light {
         intensity: [3.0; 3],
         inner_angle,
         outer_angle,
+        edge: gnurt_scene::ConeEdge::default(),
+        radius: 0.0,
     }
 }
 
@@ -497,13 +507,13 @@ fn no_light_leaks_through_normal_maps() {
         sheet(&mut scene, material);
         // Above the map's normal, which leans by 40 degrees to +x, and below the sheet.
         scene.add_light(Light::Directional { direction: [-1.0, 0.2, 0.3], irradiance: [2.0; 3], angle: 0.0 });
-        scene.add_light(Light::Point { position: [2.0, -0.4, -0.6], intensity: [9.0; 3] });
+        scene.add_light(Light::Point { position: [2.0, -0.4, -0.6], intensity: [9.0; 3], radius: 0.0 });
         assert_eq!(
             direct(&scene, Vec::new(), integrator),
             0.0,
             "{integrator}: a sheet that lets nothing through"
         );
-        let point = PointLight { position: Vec3::new(2.0, -0.4, -0.6), intensity: Vec3::splat(9.0) };
+        let point = PointLight::new(Vec3::new(2.0, -0.4, -0.6), Vec3::splat(9.0));
         let found = direct(&scene, vec![Arc::new(point)], integrator);
         assert_eq!(found, 0.0, "{integrator}: nor from a plugin's light");
     }

@@ -35,7 +35,7 @@ fn scene() -> Scene {
     put_mesh(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 12, red));
     let light = emitter(&mut scene, [8.0, 7.0, 6.0]);
     put_mesh(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
-    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3] });
+    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3], radius: 0.0 });
     scene
 }
 

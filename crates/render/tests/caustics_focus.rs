@@ -31,7 +31,7 @@ fn searches_sum_all_ways_of_light() {
     let mesh = sphere(CENTER, RADIUS, 24, glass);
     let ball = Ball::new(&mesh, CENTER, 1.5);
     put_mesh(&mut scene, mesh);
-    scene.add_light(Light::Point { position: LAMP, intensity: [1.0; 3] });
+    scene.add_light(Light::Point { position: LAMP, intensity: [1.0; 3], radius: 0.0 });
     let world = world_of(&scene, false);
     let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
     let (mut ratios, mut most_ways) = (Vec::new(), 0);

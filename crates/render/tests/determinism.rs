@@ -37,7 +37,7 @@ fn still_life() -> (Scene, SceneCamera) {
     let light = emitter(&mut scene, [8.0, 7.0, 6.0]);
     put_mesh(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
     scene.add_light(environment([0.2, 0.3, 0.5]));
-    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3] });
+    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3], radius: 0.0 });
     (scene, camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0))
 }
 

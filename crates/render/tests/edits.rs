@@ -165,8 +165,16 @@ fn any_light(random: &mut Random) -> Light {
     let (position, direction) = (random.vector(-3.0, 3.0), random.vector(-1.0, 1.0));
     let [inner_angle, outer_angle] = [0.4, 0.8];
     match random.below(6) {
-        0 => Light::Point { position, intensity: [4.0; 3] },
-        1 => Light::Spot { position, direction, intensity: [9.0; 3], inner_angle, outer_angle },
+        0 => Light::Point { position, intensity: [4.0; 3], radius: 0.0 },
+        1 => Light::Spot {
+            position,
+            direction,
+            intensity: [9.0; 3],
+            inner_angle,
+            outer_angle,
+            edge: gnurt_scene::ConeEdge::default(),
+            radius: 0.0,
+        },
         2 => Light::Directional { direction, irradiance: [0.7; 3], angle: 0.0 },
         3 => environment([0.3 * random.below(3) as f32; 3]),
         _ => {

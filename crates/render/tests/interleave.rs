@@ -76,7 +76,11 @@ fn edges_stay_sharp() {
     let (bright, dark) = (matte(&mut scene, [0.9; 3]), matte(&mut scene, [0.9; 3]));
     put_mesh(&mut scene, quad([-9.0, 5.0, -9.0], [18.0, 0.0, 0.0], [0.0, 0.0, 18.0], dark));
     put_mesh(&mut scene, quad([-0.5, 2.0, -9.0], [1.0, 0.0, 0.0], [0.0, 0.0, 18.0], bright));
-    scene.add_light(gnurt_scene::Light::Point { position: [0.0, -4.0, 0.0], intensity: [9.0; 3] });
+    scene.add_light(gnurt_scene::Light::Point {
+        position: [0.0, -4.0, 0.0],
+        intensity: [9.0; 3],
+        radius: 0.0,
+    });
     let view = (world_of(&scene, false), camera([0.0, 0.0, 0.0], [0.0, 4.0, 0.0], 40.0));
     let options = RenderOptions { pixel_centres: true, ..by(Integrator::InstantRadiosity, 1, 1) };
     let [full, part] = [1, 5].map(|interleave| {

@@ -131,7 +131,7 @@ fn scratch(lit: Lit) -> (World, SceneCamera) {
     if lit == Lit::Points {
         for i in 0..11 {
             let position = [i as f32 - 5.0, -3.0, 1.0 + 0.4 * i as f32];
-            scene.add_light(Light::Point { position, intensity: [3.0, 2.0, 1.0] });
+            scene.add_light(Light::Point { position, intensity: [3.0, 2.0, 1.0], radius: 0.0 });
         }
         scene.add_light(Light::Directional { direction: [0.3, 0.4, -1.0], irradiance: [0.5; 3], angle: 0.0 });
     } else {

@@ -86,13 +86,16 @@ fn room_of(with_fog: bool, catches: bool, with_glass: bool) -> (World, SceneCame
     put_mesh(&mut scene, quad([3.0, 2.0, 0.5], [0.0, -1.5, 0.0], [0.0, 0.0, 1.5], other));
     let unlit = add(&mut scene, "sign", Surface::Unlit { color: Color::constant([0.4, 0.1, 0.5]) });
     put_mesh(&mut scene, quad([-3.5, 2.0, 0.5], [0.8, 0.0, 0.0], [0.0, 0.0, 0.8], unlit));
-    let bulb = scene.add_light(Light::Point { position: [2.0, -2.0, 2.5], intensity: [3.0, 2.5, 2.0] });
+    let bulb =
+        scene.add_light(Light::Point { position: [2.0, -2.0, 2.5], intensity: [3.0, 2.5, 2.0], radius: 0.0 });
     let spot = scene.add_light(Light::Spot {
         position: [-3.0, -2.0, 3.0],
         direction: [1.0, 0.7, -1.0],
         intensity: [6.0; 3],
         inner_angle: 0.3,
         outer_angle: 0.6,
+        edge: gnurt_scene::ConeEdge::default(),
+        radius: 0.0,
     });
     scene.add_light(Light::Directional {
         direction: [0.3, 0.5, -1.0],
@@ -387,7 +390,7 @@ fn groups_are_pictures_of_their_lights() {
         let on = |number: usize, x: f32| if only.is_none_or(|only| only == number) { x } else { 0.0 };
         let lamp = emitter(&mut scene, [on(0, 8.0), on(0, 6.0), on(0, 4.0)]);
         put_mesh(&mut scene, quad([-2.0, -2.0, 4.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp));
-        scene.add_light(Light::Point { position: [2.0, -1.0, 2.0], intensity: [on(1, 3.0); 3] });
+        scene.add_light(Light::Point { position: [2.0, -1.0, 2.0], intensity: [on(1, 3.0); 3], radius: 0.0 });
         scene.add_light(environment([on(2, 0.2), on(2, 0.3), on(2, 0.5)]));
         let groups = [Shining::Material(lamp), Shining::Light(LightId(0)), Shining::Light(LightId(1))];
         for (shining, name) in groups.into_iter().zip(["lamps", "points", "sky"]) {

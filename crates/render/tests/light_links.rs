@@ -45,7 +45,7 @@ fn scene(kind: Kind, with_right: bool) -> (Scene, Shining) {
     put(&mut scene, sphere([1.0, 0.0, 0.7], 0.7, 12, red), with_right);
     let shining = match kind {
         Kind::Point => {
-            let light = Light::Point { position: [0.0, -1.0, 4.0], intensity: [12.0; 3] };
+            let light = Light::Point { position: [0.0, -1.0, 4.0], intensity: [12.0; 3], radius: 0.0 };
             Shining::Light(scene.add_light(light))
         }
         Kind::Sky => Shining::Light(scene.add_light(environment([0.7, 0.8, 1.0]))),
@@ -159,7 +159,7 @@ fn links_to_everything_change_nothing_on_average() {
 #[test]
 fn links_have_the_same_bits_however_they_are_followed() {
     let (mut plain, shining) = scene(Kind::Lamp, true);
-    plain.add_light(Light::Point { position: [2.0, -2.0, 3.0], intensity: [4.0; 3] });
+    plain.add_light(Light::Point { position: [2.0, -2.0, 3.0], intensity: [4.0; 3], radius: 0.0 });
     let mut linked = link(plain, shining, Some(&[FLOOR, LEFT]), Some(&[LEFT]));
     let links = LightLinks { lit: Some(vec![RIGHT]), shadows: None };
     linked.labels_mut().light_links.insert(Shining::Light(LightId(0)), links);

@@ -18,7 +18,7 @@ fn floor_under(light: Light) -> f64 {
 
 #[test]
 fn point_light() {
-    let found = floor_under(Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3] });
+    let found = floor_under(Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3], radius: 0.0 });
     let d2 = 0.25 + 0.5625 + 4.0_f64;
     assert_close(found, ALBEDO / PI * 7.0 / d2 * (2.0 / d2.sqrt()), 1e-3, "I cos / d²");
 }
@@ -30,7 +30,7 @@ fn a_lamp_on_a_ceiling_is_not_shadowed_by_it() {
     // A height that floats cannot hold exactly: the end of a shadow ray may round to either side of the ceiling.
     let height = 2.1_f32;
     put_mesh(&mut scene, quad([-10.0, 10.0, height], [20.0, 0.0, 0.0], [0.0, -20.0, 0.0], white));
-    scene.add_light(Light::Point { position: [1.0, 1.0, height], intensity: [7.0; 3] });
+    scene.add_light(Light::Point { position: [1.0, 1.0, height], intensity: [7.0; 3], radius: 0.0 });
     for step in 0..40 {
         let x = 0.37 * step as f32 - 7.0;
         let found = radiance_at(&scene, [x, -2.0, 1.5], [x, 0.25, 0.0], 1)[0];
@@ -48,6 +48,8 @@ fn spot_light() {
         intensity: [7.0; 3],
         inner_angle: 0.2,
         outer_angle: 0.4,
+        edge: gnurt_scene::ConeEdge::default(),
+        radius: 0.0,
     };
     let full = ALBEDO / PI * 7.0 / 4.0;
     assert_close(floor_under(spot([0.0, 0.0, -3.0])), full, 1e-3, "inside the inner cone");

@@ -140,7 +140,7 @@ fn light_scattered_once_is_the_integral_along_the_ray() {
         let wall = matte(&mut scene, [0.0; 3]);
         put_mesh(&mut scene, quad([-50.0, -50.0, 6.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], wall));
         let position = light.map(|x| x as f32);
-        scene.add_light(Light::Point { position, intensity: [1.0; 3] });
+        scene.add_light(Light::Point { position, intensity: [1.0; 3], radius: 0.0 });
         let grid = with_grid.then(|| even_grid([-8.0; 3], 16.0, [16; 3]));
         scene.add_medium(Medium {
             absorption: sigma.map(|s| (s * (1.0 - albedo)) as f32),
@@ -188,7 +188,7 @@ fn lamps_near_a_ray_light_its_medium() {
                     quad([x, y - half, z - half], [0.0, 0.0, 1e-3], [0.0, 1e-3, 0.0], shine),
                 );
             } else {
-                scene.add_light(Light::Point { position, intensity: [1.0; 3] });
+                scene.add_light(Light::Point { position, intensity: [1.0; 3], radius: 0.0 });
             }
             scene.add_medium(Medium {
                 absorption: sigma.map(|s| (s * (1.0 - albedo)) as f32),
@@ -219,6 +219,7 @@ fn two_lamps_near_a_ray_light_its_medium() {
         scene.add_light(Light::Point {
             position: position.map(|x| x as f32),
             intensity: [intensity as f32; 3],
+            radius: 0.0,
         });
     }
     scene.add_medium(Medium {
@@ -388,7 +389,7 @@ fn bodies_add() {
 #[test]
 fn lit_through_a_body_at_every_level() {
     let mut scene = floor(0.5, 50.0);
-    scene.add_light(Light::Point { position: [0.0, 0.0, 6.0], intensity: [36.0; 3] });
+    scene.add_light(Light::Point { position: [0.0, 0.0, 6.0], intensity: [36.0; 3], radius: 0.0 });
     let absorption = [0.2, 0.5, 0.0];
     let medium = scene.add_medium(Medium { absorption, scattering: [1e-3; 3], ..Medium::default() });
     let boundary = scene.add_material(Material::boundary("air", medium));

@@ -127,7 +127,7 @@ fn smooth_coats_show_point_lights() {
     };
     let metal = scene.add_material(Material::of("metal", metal));
     put_mesh(&mut scene, quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], metal));
-    scene.add_light(Light::Point { position: [0.0, 2.0, 2.0], intensity: [1.0; 3] });
+    scene.add_light(Light::Point { position: [0.0, 2.0, 2.0], intensity: [1.0; 3], radius: 0.0 });
     let measured = radiance_at(&scene, [0.0, -2.0, 2.0], [0.0; 3], 4)[0];
     // At the mirror direction D = 1 / (pi a^2), G = 1 / (1 + 2 lambda), F = 1, all angles 45 degrees.
     let a2 = 0.04_f64 * 0.04;

@@ -52,7 +52,11 @@ fn boxes_do_not_leak() {
             let factor = f64::from(scale / size);
             let turned = Affine::rotation([1.0, 2.0, 3.0], 0.7);
             scene.instantiate(object, turned * Affine::scale([factor; 3]));
-            scene.add_light(Light::Point { position: [2.5 * scale; 3], intensity: [scale * scale; 3] });
+            scene.add_light(Light::Point {
+                position: [2.5 * scale; 3],
+                intensity: [scale * scale; 3],
+                radius: 0.0,
+            });
             scene.add_light(environment([1.0; 3]));
             let view =
                 camera([0.1 * scale, 0.05 * scale, 0.0], [0.3 * scale, 0.4 * scale, 0.2 * scale], 120.0);

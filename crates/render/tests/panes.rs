@@ -96,7 +96,7 @@ fn points_shine_through_what_does_not_bend() {
         let mut scene = floor(ALBEDO, 20.0);
         let glass = glass(&mut scene, ior, Interior::default());
         pane(&mut scene, 0.5, 0.7, glass);
-        scene.add_light(Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3] });
+        scene.add_light(Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3], radius: 0.0 });
         let world = world_of(&scene, false);
         let expected = f64::from(ALBEDO) / PI * 7.0 / 6.0 * (2.0 / 6.0_f64.sqrt()) * share;
         for integrator in ALL {

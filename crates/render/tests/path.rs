@@ -72,7 +72,7 @@ fn lights_without_extent_and_rectangles() {
         measured(&scene, eye, target, 1, 8)[0]
     };
     let d2 = 0.25 + 0.5625 + 4.0_f64;
-    let point = Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3] };
+    let point = Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3], radius: 0.0 };
     assert_close(lit(point), albedo / PI * 7.0 / d2 * (2.0 / d2.sqrt()), 1e-3, "I cos / d²");
     let sun = Light::Directional { direction: [3.0, 0.0, -4.0], irradiance: [2.0; 3], angle: 0.0 };
     assert_close(lit(sun), albedo / PI * 2.0 * 0.8, 1e-4, "E cos");
@@ -191,7 +191,7 @@ fn holes_let_light_through() {
     // A light behind a veil, by light samples.
     let mut scene = floor(ALBEDO, 10.0);
     veil(&mut scene, 0.0, 1.0);
-    scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
+    scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3], radius: 0.0 });
     let found = measured(&scene, [0.5, 0.0, 0.9], [0.0; 3], 16, 2)[0];
     assert_close(found, f64::from(ALBEDO) / PI * 0.75, 1e-3, "three quarters of it");
     // A lamp behind three: shadow rays end before it though they leave each veil a little ahead of that.
@@ -221,7 +221,7 @@ fn holes_let_light_through() {
 #[test]
 fn lights_of_plugins_count_as_those_of_the_scene() {
     let mut scene = floor(ALBEDO, 10.0);
-    let light = Arc::new(PointLight { position: [0.0, 0.0, 2.0].into(), intensity: [4.0; 3].into() });
+    let light = Arc::new(PointLight::new([0.0, 0.0, 2.0].into(), [4.0; 3].into()));
     let table = ShaderTable { lights: vec![light], ..ShaderTable::default() };
     let by_table = {
         let mut world = World::new();
@@ -229,7 +229,7 @@ fn lights_of_plugins_count_as_those_of_the_scene() {
         let view = camera([0.5, 0.0, 1.0], [0.0; 3], 0.01);
         mean(&render(&world, &view, &path(4, 4, 1, 3), &pool(1), &Silent).expect("sound").picture)
     };
-    scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
+    scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3], radius: 0.0 });
     assert_close(by_table[0], measured(&scene, [0.5, 0.0, 1.0], [0.0; 3], 1, 3)[0], 1e-5, "the same light");
 }
 
@@ -245,7 +245,7 @@ fn scratch() -> (Scene, SceneCamera) {
         .add_material(Material { alpha: Alpha::Blend { opacity }, ..Material::matte("", [0.1, 0.5, 0.1]) });
     put_mesh(&mut scene, quad([-2.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0], veil));
     scene.add_light(environment([0.2, 0.3, 0.5]));
-    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3] });
+    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3], radius: 0.0 });
     (scene, camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0))
 }
 

@@ -52,7 +52,7 @@ fn pictures_in_motion_have_the_right_mean() {
     for i in 1..6 {
         let position = [0, 1, 2].map(|k| low[k] + (high[k] - low[k]) * ((i * (k + 2)) as f32 * 0.37).fract());
         let strength = 0.02 * (high[0] - low[0]).powi(2) * i as f32;
-        scene.add_light(gnurt_scene::Light::Point { position, intensity: [strength; 3] });
+        scene.add_light(gnurt_scene::Light::Point { position, intensity: [strength; 3], radius: 0.0 });
     }
     let world = world_of(&scene, true);
     const SEEDS: usize = 12;

@@ -163,7 +163,7 @@ fn irradiance(
 #[test]
 fn light_is_of_categories() {
     let mut scene = probed_floor();
-    let point = |x: f32| Light::Point { position: [x, 0.0, 2.0], intensity: [4.0, 1.0, 1.0] };
+    let point = |x: f32| Light::Point { position: [x, 0.0, 2.0], intensity: [4.0, 1.0, 1.0], radius: 0.0 };
     let up = [0.0, 0.0, -1.0];
     let lights = [
         (Light::Directional { direction: up, irradiance: [1.0, 2.0, 3.0], angle: 0.0 }, "sun", "key"),

@@ -79,6 +79,7 @@ fn scratch(lights_move: bool) -> Setup {
     let point = |share: f32| Light::Point {
         position: [3.0 * share - 1.0, 2.0, 2.0],
         intensity: [2.0, 2.0 + share, 3.0],
+        radius: 0.0,
     };
     let light = scene.add_light(point(0.0));
     let keys =
@@ -167,13 +168,18 @@ impl Setup {
         }
         for (id, keys) in &self.exposure.lights {
             let (a, b) = (&keys[interval.key], &keys[interval.next]);
-            let (Light::Point { position: a, intensity: i }, Light::Point { position: b, intensity: j }) =
-                (a, b)
+            let (
+                Light::Point { position: a, intensity: i, radius: 0.0 },
+                Light::Point { position: b, intensity: j, radius: 0.0 },
+            ) = (a, b)
             else {
                 panic!("a point light");
             };
-            *scene.edit_light(LightId(id.0)) =
-                Light::Point { position: interval.mix3(*a, *b), intensity: interval.mix3(*i, *j) };
+            *scene.edit_light(LightId(id.0)) = Light::Point {
+                position: interval.mix3(*a, *b),
+                intensity: interval.mix3(*i, *j),
+                radius: 0.0,
+            };
         }
         scene
     }

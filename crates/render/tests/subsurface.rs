@@ -201,7 +201,7 @@ fn walks_are_the_same_on_all_cpus_and_threads() {
     put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 1.0, 16, wax));
     let ground = matte(&mut scene, [0.5; 3]);
     put_mesh(&mut scene, quad([-5.0, -5.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0], ground));
-    scene.add_light(Light::Point { position: [2.0, 3.0, 4.0], intensity: [30.0; 3] });
+    scene.add_light(Light::Point { position: [2.0, 3.0, 4.0], intensity: [30.0; 3], radius: 0.0 });
     scene.add_light(environment([0.2; 3]));
     let view = camera([6.0, 0.0, 3.0], [0.0, 0.0, 1.0], 0.5);
     let world = world_of(&scene, false);
@@ -224,7 +224,7 @@ fn virtual_lights_see_a_diffuse_body() {
         let mut scene = Scene::new();
         let material = wax(&mut scene, [0.7, 0.6, 0.5], subsurface, 1.0);
         put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 1.0, 16, material));
-        scene.add_light(Light::Point { position: [2.0, 3.0, 4.0], intensity: [30.0; 3] });
+        scene.add_light(Light::Point { position: [2.0, 3.0, 4.0], intensity: [30.0; 3], radius: 0.0 });
         let options = RenderOptions { integrator: Integrator::BidirectionalInstantRadiosity, ..path(4) };
         seen(&scene, [6.0, 0.0, 3.0], [0.0, 0.0, 1.0], &options)
     };

@@ -112,8 +112,16 @@ fn all_lights_are_converted() {
     let height = 50.0;
     let position = [0.1, 0.1, height];
     let intensity = LIGHT.map(|x| x * pi * height * height);
-    let point = Light::Point { position, intensity };
-    let spot = Light::Spot { position, direction: down, intensity, inner_angle: 0.4, outer_angle: 0.5 };
+    let point = Light::Point { position, intensity, radius: 0.0 };
+    let spot = Light::Spot {
+        position,
+        direction: down,
+        intensity,
+        inner_angle: 0.4,
+        outer_angle: 0.5,
+        edge: gnurt_scene::ConeEdge::default(),
+        radius: 0.0,
+    };
     for light in [directional, point, spot] {
         let name = format!("{light:?}");
         let scene = room(Color::constant(ALBEDO), light);

@@ -44,7 +44,7 @@ pub use gnurt_subdivision as subdivision;
 pub use id::{CameraId, InstanceId, LightId, MaterialId, MediumId, MeshId, ObjectId, TextureId};
 pub use labels::Labels;
 pub use layer_textures::LayerTextures;
-pub use light::Light;
+pub use light::{ConeEdge, Light};
 pub use material::{Material, Surface};
 pub use medium::Medium;
 pub use mesh::{Attribute, Mesh, Rate, TEXCOORD_1, TEXCOORD_RQ};

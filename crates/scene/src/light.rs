@@ -9,6 +9,30 @@ use serde::{Deserialize, Serialize};
 use crate::affine::Affine;
 use crate::id::TextureId;
 
+/// How the light of a spot fades from its inner cone, where the share of the way between the cones' cosines is 1, to its outer one, where
+/// it is 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ConeEdge {
+    /// By the square of that share, as glTF recommends.
+    #[default]
+    Squared,
+    /// By its smooth step 3x² - 2x³, as in pbrt and Blender.
+    Smooth,
+}
+
+impl ConeEdge {
+    /// The inner angle with which the squared edge lets through as much light as this one does with `inner`; half angles, radians. For
+    /// formats that know the squared edge alone.
+    #[must_use]
+    pub fn squared_inner(self, inner: f32, outer: f32) -> f32 {
+        match self {
+            Self::Squared => inner,
+            // The mean of a square is a third, that of a smooth step a half.
+            Self::Smooth => (0.75 * inner.cos() + 0.25 * outer.cos()).clamp(-1.0, 1.0).acos(),
+        }
+    }
+}
+
 /// A light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Light {
@@ -18,6 +42,9 @@ pub enum Light {
         position: [f32; 3],
         /// Radiant intensity, W·sr⁻¹ per channel.
         intensity: [f32; 3],
+        /// Of a disc around the position from which its light comes, and which faces whoever sees it, world units: 0 = a point. It
+        /// lights surfaces and media; no ray sees it.
+        radius: f32,
     },
     /// From a point into a cone.
     Spot {
@@ -31,6 +58,10 @@ pub enum Light {
         inner_angle: f32,
         /// Half angle at which it ends, radians, > inner.
         outer_angle: f32,
+        /// How it fades between the two.
+        edge: ConeEdge,
+        /// Of a disc around the position, as that of a point.
+        radius: f32,
     },
     /// From infinitely far away.
     Directional {

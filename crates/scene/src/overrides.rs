@@ -468,8 +468,8 @@ fn principled_fields(principled: &mut Principled) -> Vec<(&'static str, Slot<'_>
 
 fn light_fields(light: &mut Light) -> Vec<(&'static str, Slot<'_>)> {
     match light {
-        Light::Point { intensity, .. } | Light::Spot { intensity, .. } => {
-            vec![("intensity", Slot::Light(intensity))]
+        Light::Point { intensity, radius, .. } | Light::Spot { intensity, radius, .. } => {
+            vec![("intensity", Slot::Light(intensity)), ("radius", Slot::Number(radius, LENGTH))]
         }
         Light::Directional { irradiance, .. } => vec![("intensity", Slot::Light(irradiance))],
         Light::Environment { radiance, .. } => vec![("intensity", Slot::Light(radiance))],
@@ -485,7 +485,7 @@ mod tests {
         let mut scene = Scene::new();
         scene.add_material(Material::matte("wall.white", [0.5; 3]));
         scene.add_material(Material::of("gold", Surface::Principled(Box::default())));
-        scene.add_light(Light::Point { position: [0.0; 3], intensity: [4.0, 2.0, 1.0] });
+        scene.add_light(Light::Point { position: [0.0; 3], intensity: [4.0, 2.0, 1.0], radius: 0.0 });
         scene
     }
 

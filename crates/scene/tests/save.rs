@@ -9,8 +9,8 @@ use gnurt_scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{
-    Affine, Camera, Lens, Light, Material, Member, Mesh, Object, Primitives, Projection, RayMask, Scene,
-    Surface, TextureId,
+    Affine, Camera, ConeEdge, Lens, Light, Material, Member, Mesh, Object, Primitives, Projection, RayMask,
+    Scene, Surface, TextureId,
 };
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
@@ -518,7 +518,22 @@ fn what_is_lost_is_told() {
         "alpha cutoff",
     ];
     scene.add_light(Light::Directional { direction: [0.0, -1.0, 0.0], irradiance: [1.0; 3], angle: 0.1 });
-    let gltf = ["bump map", "base colour above 1", "angle of a directional light"];
+    scene.add_light(Light::Spot {
+        position: [0.0; 3],
+        direction: [0.0, -1.0, 0.0],
+        intensity: [1.0; 3],
+        inner_angle: 0.3,
+        outer_angle: 0.5,
+        edge: ConeEdge::Smooth,
+        radius: 0.1,
+    });
+    let gltf = [
+        "bump map",
+        "base colour above 1",
+        "angle of a directional light",
+        "radius of a light",
+        "smooth edge of a spot",
+    ];
     for (name, own) in [("a.obj", &obj[..]), ("a.gltf", &gltf)] {
         let (_, lines, _) = reported(&scene, name);
         for text in both.iter().chain(own) {

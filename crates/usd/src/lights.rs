@@ -10,7 +10,7 @@ use gnurt_scene::labels::{Luminaire, Shining};
 use gnurt_scene::light_links::LinkKind;
 use gnurt_scene::material::{Color, Material, Surface, TextureRef};
 use gnurt_scene::texture::{Filter, Texture, Wrap};
-use gnurt_scene::{Affine, InstanceId, Light, LightId, Mesh, MeshId, TextureId};
+use gnurt_scene::{Affine, ConeEdge, InstanceId, Light, LightId, Mesh, MeshId, TextureId};
 use openusd::sdf::{Path, Value};
 
 use crate::builder::{Builder, Placed, State};
@@ -224,7 +224,7 @@ impl Builder<'_> {
         self.name(prim, light);
     }
 
-    /// A light from one point, in a cone where it is shaped.
+    /// A light from one point or the disc around it, in a cone where it is shaped.
     fn point(&mut self, prim: &Path, transform: &Affine) {
         let reader = self.reader;
         let radius = reader.light_number(prim, "radius", 0.5).abs();
@@ -236,6 +236,8 @@ impl Builder<'_> {
         };
         let unit = transform.determinant().abs().cbrt();
         let intensity = radiance.map(|x| (x * area * unit * unit) as f32);
+        let is_point = reader.flag(prim, "treatAsPoint") == Some(true);
+        let radius = if is_point { 0.0 } else { (radius * unit) as f32 };
         let position = transform.point([0.0; 3]).map(|x| x as f32);
         let light = if self.is_shaped(prim) {
             let outer = reader.light_number(prim, "shaping:cone:angle", 90.0).clamp(0.1, 90.0).to_radians();
@@ -249,9 +251,11 @@ impl Builder<'_> {
                 intensity,
                 inner_angle: (outer * (1.0 - softness) * 0.999) as f32,
                 outer_angle: outer as f32,
+                edge: ConeEdge::default(),
+                radius,
             }
         } else {
-            Light::Point { position, intensity }
+            Light::Point { position, intensity, radius }
         };
         let light = self.scene.add_light(light);
         self.name(prim, light);

@@ -66,14 +66,15 @@ def DomeLight "Sky" { float inputs:intensity = 0.5 }
     let spread = std::f64::consts::PI * 0.5_f64.to_radians().sin().powi(2);
     assert!((f64::from(irradiance[0]) / (100.0 * spread) - 1.0).abs() < 1e-5, "{irradiance:?}");
     assert!((angle.to_degrees() - 1.0).abs() < 1e-5, "{angle}");
-    let Light::Point { intensity, .. } = point else { panic!("a point") };
+    let Light::Point { intensity, radius: 0.0, .. } = point else { panic!("a point") };
     assert!(
         (intensity[0] - 4.0 * std::f32::consts::PI).abs() < 1e-4,
         "radiance times the disk: {intensity:?}"
     );
-    let Light::Spot { intensity, inner_angle, outer_angle, .. } = spot else { panic!("a spot") };
+    let Light::Spot { intensity, inner_angle, outer_angle, radius, .. } = spot else { panic!("a spot") };
     assert!((intensity[0] - 2.0).abs() < 1e-5 && (outer_angle.to_degrees() - 30.0).abs() < 1e-3, "{spot:?}");
     assert!((inner_angle.to_degrees() - 15.0).abs() < 0.1, "{inner_angle}");
+    assert!(*radius == 0.5, "half shadows, for it is no point: {radius}");
     assert!(matches!(sky, Light::Environment { radiance: [0.5, 0.5, 0.5], .. }), "{sky:?}");
 }
 

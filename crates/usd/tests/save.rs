@@ -29,7 +29,7 @@ fn scene() -> Scene {
         shift: [0.25, -0.5],
         ..Camera::default()
     });
-    scene.add_light(Light::Point { position: [1.0, 2.0, 3.0], intensity: [4.0, 5.0, 6.0] });
+    scene.add_light(Light::Point { position: [1.0, 2.0, 3.0], intensity: [4.0, 5.0, 6.0], radius: 0.0 });
     scene.add_light(Light::Directional {
         direction: [0.0, -1.0, 0.0],
         irradiance: [2.0, 1.0, 0.5],

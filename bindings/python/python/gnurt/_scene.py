@@ -323,8 +323,8 @@ class Scene(_Scene):
     def add_light(self, kind, **properties):
         """The number of a new light.
 
-        "point" (position, intensity), "spot" (and direction, inner_angle, outer_angle), "directional" (direction, irradiance,
-        angle of its disc),
+        "point" (position, intensity, radius of a disc that faces who sees it), "spot" (and direction, inner_angle, outer_angle,
+        edge="squared" or "smooth"), "directional" (direction, irradiance, angle of its disc),
         "environment" (radiance, or picture=FILE, texture=NUMBER, sky="day", "evening", "overcast", or shader=, parameters=, textures=;
         turn, up). Angles are in degrees.
         """

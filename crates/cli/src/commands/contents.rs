@@ -127,12 +127,12 @@ pub(super) fn lights(scene: &Scene) -> Vec<Value> {
     let named = scene.lights().iter().zip(0..).map(|(light, id)| {
         let name = labels.lights.get(&gnurt::scene::LightId(id));
         match light {
-            Light::Point { position, intensity } => {
-                json!({ "type": "point", "name": name, "position": position, "intensity": intensity })
-            }
-            Light::Spot { position, direction, intensity, inner_angle, outer_angle } => json!({
+            Light::Point { position, intensity, radius } => json!({
+                "type": "point", "name": name, "position": position, "intensity": intensity, "radius": radius,
+            }),
+            Light::Spot { position, direction, intensity, inner_angle, outer_angle, edge, radius } => json!({
                 "type": "spot", "name": name, "position": position, "direction": direction, "intensity": intensity,
-                "inner_angle": inner_angle.to_degrees(), "outer_angle": outer_angle.to_degrees(),
+                "inner_angle": inner_angle.to_degrees(), "outer_angle": outer_angle.to_degrees(), "edge": edge, "radius": radius,
             }),
             Light::Directional { direction, irradiance, angle } => json!({
                 "type": "directional", "name": name, "direction": direction, "irradiance": irradiance, "angle": angle.to_degrees(),

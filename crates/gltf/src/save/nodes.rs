@@ -17,7 +17,7 @@ use gnurt_scene::id::{InstanceId, LightId};
 use gnurt_scene::io::writer::leave_out;
 use gnurt_scene::io::{Error, Warnings};
 use gnurt_scene::labels::Shining;
-use gnurt_scene::light::Light;
+use gnurt_scene::light::{ConeEdge, Light};
 
 /// Nodes for objects in objects, unfolded, that a file may have.
 const MOST_NODES: usize = 1 << 24;
@@ -209,16 +209,19 @@ impl Nodes {
             let rest = moving
                 .and_then(|moving| scene.animation()?.light_factors.get(moving.factors as usize).copied());
             let (described, matrix) = match light {
-                Light::Point { position, intensity } => {
+                Light::Point { position, intensity, radius } => {
+                    leave_out(usize::from(*radius > 0.0), "radius of a light", path, warnings);
                     (punctual("point", *intensity), at(*position, [0.0, 0.0, -1.0]))
                 }
                 Light::Directional { direction, irradiance, angle } => {
-                    if *angle > 0.0 {
-                        leave_out(1, "angle of a directional light", path, warnings);
-                    }
+                    leave_out(usize::from(*angle > 0.0), "angle of a directional light", path, warnings);
                     (punctual("directional", *irradiance), at([0.0; 3], *direction))
                 }
-                Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+                Light::Spot { position, direction, intensity, inner_angle, outer_angle, edge, radius } => {
+                    leave_out(usize::from(*radius > 0.0), "radius of a light", path, warnings);
+                    let is_smooth = *edge == ConeEdge::Smooth;
+                    leave_out(usize::from(is_smooth), "smooth edge of a spot", path, warnings);
+                    let inner_angle = edge.squared_inner(*inner_angle, *outer_angle);
                     let mut spot = punctual("spot", *intensity);
                     spot["spot"] = json!({ "innerConeAngle": inner_angle, "outerConeAngle": outer_angle });
                     (spot, at(*position, *direction))

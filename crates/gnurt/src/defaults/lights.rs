@@ -70,7 +70,7 @@ pub fn lit_within(scene: &Scene, camera: &Camera) -> Option<[Light; 2]> {
     let position = [0, 1, 2].map(|k| (eye[k] + distance * directions[0][k]) as f32);
     let intensity = f64::from(KEY) * typical * typical;
     (intensity.is_finite() && intensity > 0.0).then_some([
-        Light::Point { position, intensity: [intensity.min(f64::from(f32::MAX)) as f32; 3] },
+        Light::Point { position, intensity: [intensity.min(f64::from(f32::MAX)) as f32; 3], radius: 0.0 },
         background(),
     ])
 }
@@ -143,7 +143,8 @@ mod tests {
         let near_corner = [-3.9, 2.95, 1.95];
         for eye in [[-3.0, 0.0, 0.0], near_corner] {
             let lights = lit_within(&interior, &camera(eye)).expect("seen from within");
-            let [Light::Point { position, intensity }, Light::Environment { .. }] = lights else {
+            let [Light::Point { position, intensity, radius: 0.0 }, Light::Environment { .. }] = lights
+            else {
                 panic!("a lamp and a background: {lights:?}");
             };
             let bounds = bounds_of(&interior).expect("a room");

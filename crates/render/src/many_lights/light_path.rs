@@ -74,6 +74,8 @@ struct Walk {
     pdf: f32,
     smooth: bool,
     origin: Vec3,
+    /// How far from the origin its light begins.
+    begin: f32,
     is_far: bool,
     /// Whether its first edge comes from infinitely far away.
     is_endless: bool,
@@ -174,6 +176,7 @@ pub(crate) fn trace(
                         pdf: 1.0,
                         smooth: false,
                         origin: start.org,
+                        begin: 0.0,
                         is_far: true,
                         is_endless: start.source == Source::Environment,
                         absorption: Vec3::ZERO,
@@ -203,6 +206,7 @@ pub(crate) fn trace(
                 pdf: ray.pdf_pos * ray.pdf_dir / weight,
                 smooth: ray.is_surface,
                 origin: ray.point.p,
+                begin: ray.begin,
                 is_far: !ray.is_surface,
                 is_endless: matches!(ray.kind, LightKind::Directional(_) | LightKind::Environment),
                 absorption: Vec3::ZERO,
@@ -224,6 +228,9 @@ pub(crate) fn trace(
             let Some(vertex) = vertex.filter(|vertex| !vertex.is_final) else { continue };
             let (point, bsdf, from) = (vertex.point, &vertex.scattering.bsdf, vertex.wo);
             if !(is_open(&point, from) && point.ng.dot(from) > 0.0) {
+                continue;
+            }
+            if point.p.distance_squared(walk.origin) < walk.begin * walk.begin {
                 continue;
             }
             let per_area = if walk.is_far {
@@ -273,6 +280,7 @@ pub(crate) fn trace(
                     pdf: if sample.delta { f32::INFINITY } else { sample.pdf * survival },
                     smooth: !sample.delta,
                     origin: point.p,
+                    begin: 0.0,
                     is_far: false,
                     is_endless: false,
                     absorption: bsdf.absorption(sample.wi),

@@ -324,7 +324,11 @@ mod tests {
         for i in 1..6 {
             let at = |k: usize| low[k] + (high[k] - low[k]) * ((i * (k + 2)) as f32 * 0.37).fract();
             let intensity = [0.02 * (high[0] - low[0]).powi(2) * i as f32; 3];
-            scene.add_light(gnurt_scene::Light::Point { position: [0, 1, 2].map(at), intensity });
+            scene.add_light(gnurt_scene::Light::Point {
+                position: [0, 1, 2].map(at),
+                intensity,
+                radius: 0.0,
+            });
         }
         commit(&mut world, &scene);
         let first = light_positions(&mut persistent, &world, &scene, &options);

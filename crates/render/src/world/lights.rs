@@ -10,7 +10,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{Mat3, Vec3};
 use gnurt_accel::Threads;
 use gnurt_scene::material::TextureRef;
-use gnurt_scene::{Affine, Light, LightId, Scene};
+use gnurt_scene::{Affine, ConeEdge, Light, LightId, Scene};
 use gnurt_shading::lights as shading;
 use gnurt_shading::lights::{EnvironmentLight, LightSet};
 use gnurt_shading::{ColorMap, EnvironmentShader, LightShader};
@@ -282,16 +282,21 @@ fn without_extent(
 ) -> Option<Arc<dyn LightShader>> {
     let color = |color: [f32; 3]| map.of(Vec3::from(color));
     match *light {
-        Light::Point { position, intensity } => {
-            let point = shading::PointLight { position: position.into(), intensity: color(intensity) };
+        Light::Point { position, intensity, radius } => {
+            let point =
+                shading::PointLight { radius, ..shading::PointLight::new(position.into(), color(intensity)) };
             parts.points.push(point);
             Some(Arc::new(point))
         }
-        Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-            let (position, direction) = (Vec3::from(position), Vec3::from(direction));
-            let spot =
-                shading::SpotLight::new(position, direction, color(intensity), inner_angle, outer_angle)?;
-            parts.spots.push(spot);
+        Light::Spot { position, direction, intensity, inner_angle, outer_angle, edge, radius } => {
+            let edge = match edge {
+                ConeEdge::Squared => shading::ConeEdge::Squared,
+                ConeEdge::Smooth => shading::ConeEdge::Smooth,
+            };
+            let cone = shading::Cone::new(direction.into(), inner_angle, outer_angle, edge)?;
+            let all_around = shading::PointLight::new(position.into(), color(intensity));
+            let spot = shading::PointLight { radius, cone: Some(cone), ..all_around };
+            parts.points.push(spot);
             Some(Arc::new(spot))
         }
         Light::Directional { direction, irradiance, angle } => {
@@ -303,14 +308,14 @@ fn without_extent(
     }
 }
 
-/// The scene's lights without extent in the order of a light set: points, spots, directional lights.
+/// The scene's lights without extent in the order of a light set: points and spots, directional lights.
 pub(super) fn order_in_set(scene: &Scene) -> Vec<LightId> {
     let mut parts = shading::LightParts::default();
-    let mut kinds = [(); 3].map(|()| Vec::new());
+    let mut kinds = [(); 2].map(|()| Vec::new());
     for (id, light) in (0..).map(LightId).zip(scene.lights()) {
         if without_extent(light, &mut parts, ColorMap::default()).is_some() {
-            let counts = [parts.points.len(), parts.spots.len(), parts.directionals.len()];
-            let grown = (0..3).find(|&kind| counts[kind] > kinds[kind].len());
+            let counts = [parts.points.len(), parts.directionals.len()];
+            let grown = (0..2).find(|&kind| counts[kind] > kinds[kind].len());
             grown.into_iter().for_each(|kind| kinds[kind].push(id));
         }
     }

@@ -109,17 +109,23 @@ fn mixed(from: &Light, to: &Light, interval: &KeyInterval) -> Light {
     let mix = |a: &[f32; 3], b: &[f32; 3]| interval.mix3(*a, *b);
     match (from, to) {
         (
-            Light::Point { position, intensity },
-            Light::Point { position: to_position, intensity: to_intensity },
-        ) => Light::Point { position: mix(position, to_position), intensity: mix(intensity, to_intensity) },
+            Light::Point { position, intensity, radius },
+            Light::Point { position: to_position, intensity: to_intensity, radius: to_radius },
+        ) => Light::Point {
+            position: mix(position, to_position),
+            intensity: mix(intensity, to_intensity),
+            radius: interval.mix(*radius, *to_radius),
+        },
         (
-            Light::Spot { position, direction, intensity, inner_angle, outer_angle },
+            Light::Spot { position, direction, intensity, inner_angle, outer_angle, edge, radius },
             Light::Spot {
                 position: to_position,
                 direction: to_direction,
                 intensity: to_intensity,
                 inner_angle: to_inner,
                 outer_angle: to_outer,
+                radius: to_radius,
+                ..
             },
         ) => Light::Spot {
             position: mix(position, to_position),
@@ -127,6 +133,8 @@ fn mixed(from: &Light, to: &Light, interval: &KeyInterval) -> Light {
             intensity: mix(intensity, to_intensity),
             inner_angle: interval.mix(*inner_angle, *to_inner),
             outer_angle: interval.mix(*outer_angle, *to_outer),
+            edge: *edge,
+            radius: interval.mix(*radius, *to_radius),
         },
         (
             Light::Directional { direction, irradiance, angle },

@@ -37,7 +37,7 @@ fn scene() -> Scene {
     let texture = scene.add_texture(Texture { name: String::new(), texels, wrap, filter });
     let world_from_light = Affine::IDENTITY;
     scene.add_light(Light::Environment { radiance: [1.0; 3], texture: Some(texture), world_from_light });
-    scene.add_light(Light::Point { position: [0.5, 0.5, 5.0], intensity: [1.0; 3] });
+    scene.add_light(Light::Point { position: [0.5, 0.5, 5.0], intensity: [1.0; 3], radius: 0.0 });
     scene
 }
 

@@ -9,7 +9,7 @@ use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::factors::Factors;
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, ObjectId};
-use crate::light::Light;
+use crate::light::{ConeEdge, Light};
 
 use super::body::Body;
 use super::clip::Clip;
@@ -182,12 +182,20 @@ impl LightFactors {
         let intensity = if visible { self.color.map(|c| c * self.intensity) } else { [0.0; 3] };
         let good = intensity.iter().chain(&position).chain(&direction).all(|x| x.is_finite());
         good.then(|| match self.kind {
-            LightKind::Point => Light::Point { position, intensity },
+            LightKind::Point => Light::Point { position, intensity, radius: 0.0 },
             LightKind::Directional => Light::Directional { direction, irradiance: intensity, angle: 0.0 },
             LightKind::Spot => {
                 let outer_angle = self.outer_angle.clamp(1e-3, std::f32::consts::FRAC_PI_2);
                 let inner_angle = self.inner_angle.clamp(0.0, outer_angle * 0.999);
-                Light::Spot { position, direction, intensity, inner_angle, outer_angle }
+                Light::Spot {
+                    position,
+                    direction,
+                    intensity,
+                    inner_angle,
+                    outer_angle,
+                    edge: ConeEdge::default(),
+                    radius: 0.0,
+                }
             }
         })
     }

@@ -37,7 +37,7 @@ pub(super) fn scene() -> Scene {
     }
     let floor = scene.add_material(Material::matte("floor", [0.5, 0.5, 0.52]));
     show(&mut scene, "floor", quad([-40.0, 0.0, 40.0], [80.0, 0.0, 0.0], [0.0, 0.0, -80.0]), floor);
-    scene.add_light(Light::Point { position: [-2.5, 5.0, 5.0], intensity: [62.0, 58.0, 52.0] });
+    scene.add_light(Light::Point { position: [-2.5, 5.0, 5.0], intensity: [62.0, 58.0, 52.0], radius: 0.0 });
     let world_from_light = Affine::IDENTITY;
     scene.add_light(Light::Environment { radiance: [0.32, 0.36, 0.42], texture: None, world_from_light });
     scene.add_camera(Camera {

@@ -17,7 +17,5 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "SpotLightShader",
     kind: Kind::Light,
     parameters: &[Parameter::floats("radiance", &[1.0; 3]), Parameter::floats("position", &[0.0, 0.0, 1.0])],
-    make: |values| {
-        Shader::Light(Arc::new(PointLight { position: values.vec3(1), intensity: values.vec3(0) }))
-    },
+    make: |values| Shader::Light(Arc::new(PointLight::new(values.vec3(1), values.vec3(0)))),
 };

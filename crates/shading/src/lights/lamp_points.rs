@@ -32,7 +32,7 @@ pub struct LampPoint {
 }
 
 impl LightSet {
-    /// A point of a lamp by two numbers in [0, 1), uniform by area.
+    /// A point of a lamp by two numbers in [0, 1), uniform by area; of a light with a radius a point of a ball.
     #[must_use]
     pub fn lamp_point(&self, light: LightId, u: [f32; 2]) -> Option<LampPoint> {
         let (mut on_shape, mut delta) = ([0.0; 2], true);
@@ -42,8 +42,7 @@ impl LightSet {
                 (on_shape, delta) = (shape.place(u), false);
                 Place::At(shape.nearest_image(Vec3::ZERO, on_shape))
             }
-            LightKind::Point(i) => Place::At(self.parts.points[i as usize].position),
-            LightKind::Spot(i) => Place::At(self.parts.spots[i as usize].position),
+            LightKind::Point(i) => Place::At(self.parts.points[i as usize].any_point(u)),
             LightKind::Directional(i) => Place::Towards(self.parts.directionals[i as usize].sample(u).0),
             LightKind::Environment => return None,
         };
@@ -65,10 +64,9 @@ impl LightSet {
                 }
                 lights.radiance(i as usize, from.on_shape, dir, dist) * (cos * shape.area())
             }
-            LightKind::Point(i) => self.parts.points[i as usize].intensity,
-            LightKind::Spot(i) => {
-                let spot = &self.parts.spots[i as usize];
-                spot.intensity * spot.falloff(-dir.dot(spot.axis))
+            LightKind::Point(i) => {
+                let Place::At(place) = from.place else { return Vec3::ZERO };
+                self.parts.points[i as usize].intensity_of_point(place - dir * dist, dir)
             }
             LightKind::Directional(i) => self.parts.directionals[i as usize].irradiance_along(-dir),
             LightKind::Environment => Vec3::ZERO,
@@ -84,7 +82,6 @@ impl LightSet {
                 self.parts.shapes.as_ref().map_or(0.0, |lights| lights.shapes[i as usize].power)
             }
             LightKind::Point(i) => bright(self.parts.points[i as usize].intensity),
-            LightKind::Spot(i) => bright(self.parts.spots[i as usize].intensity),
             LightKind::Directional(i) => bright(self.parts.directionals[i as usize].irradiance),
             LightKind::Environment => 0.0,
         }

@@ -6,7 +6,7 @@
 //! Invariant: the mean of `radiance_over_pdf` is the power of all lights (for distant lights, the power that
 //! the bounding sphere receives). Tests: `light_set_tests`.
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
 use glam::Vec3;
 
@@ -14,7 +14,7 @@ use super::light_parts::{LightId, LightKind};
 use super::light_set::LightSet;
 use crate::point::SurfacePoint;
 use crate::sampling::warp::concentric_disk;
-use crate::sampling::{Basis, cosine_hemisphere, uniform_sphere};
+use crate::sampling::{Basis, cosine_hemisphere};
 
 /// The first edge of a path from a light.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,8 @@ pub struct LightRay {
     pub normal: Vec3,
     /// Unit, where it goes.
     pub dir: Vec3,
+    /// The distance from `point` at which its light begins: what it meets before that is dark, and ends it.
+    pub begin: f32,
     /// The power that it carries: the exit radiance, times the cosine at a surface, over all densities.
     pub radiance_over_pdf: Vec3,
     /// Emission along `dir`: radiance; intensity of lights without extent; irradiance of directional ones.
@@ -58,18 +60,10 @@ impl LightSet {
             LightKind::Shape(i) => self.emit_shape(i, choice.probability, u_pos, u_dir),
             LightKind::Point(i) => {
                 let point = &self.parts.points[i as usize];
-                let dir = uniform_sphere(u_dir);
-                Some(from_point(point.position, dir, point.intensity, choice.probability, 0.25 / PI))
-            }
-            LightKind::Spot(i) => {
-                let spot = &self.parts.spots[i as usize];
-                let cos = 1.0 - u_dir[0] * (1.0 - spot.cos_outer);
-                let (sin, azimuth) = ((1.0 - cos * cos).max(0.0).sqrt(), TAU * u_dir[1]);
-                let local = Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos);
-                let dir = Basis::around(spot.axis).to_world(local).normalize();
-                let intensity = spot.intensity * spot.falloff(cos);
-                let pdf_dir = 1.0 / (TAU * (1.0 - spot.cos_outer).max(f32::MIN_POSITIVE));
-                Some(from_point(spot.position, dir, intensity, choice.probability, pdf_dir))
+                let dir = point.any_direction(u_dir);
+                let (start, begin) = point.ray_along(dir, u_pos);
+                let (intensity, pdf_dir) = (point.intensity_along(dir), 1.0 / point.solid_angle());
+                Some(LightRay { begin, ..from_point(start, dir, intensity, choice.probability, pdf_dir) })
             }
             LightKind::Directional(i) => {
                 let directional = &self.parts.directionals[i as usize];
@@ -122,6 +116,7 @@ impl LightSet {
             is_surface: true,
             normal,
             dir,
+            begin: 0.0,
             // The cosine is the density's times pi.
             radiance_over_pdf: emitted * (PI * area / chosen),
             emitted,
@@ -150,6 +145,7 @@ impl LightSet {
             is_surface: false,
             normal: dir,
             dir,
+            begin: 0.0,
             radiance_over_pdf: emitted / (pdf_pos * pdf_dir),
             emitted,
             pdf_pos,
@@ -166,6 +162,7 @@ fn from_point(p: Vec3, dir: Vec3, intensity: Vec3, chosen: f32, pdf_dir: f32) ->
         is_surface: false,
         normal: dir,
         dir,
+        begin: 0.0,
         radiance_over_pdf: intensity / (chosen * pdf_dir),
         emitted: intensity,
         pdf_pos: chosen,

@@ -114,7 +114,7 @@ impl LightLanes {
     /// `None` where the tree is empty or not all of shapes.
     pub(super) fn new(parts: &LightParts, tree: &LightTree) -> Option<Self> {
         let lights = parts.shapes.as_ref()?;
-        if tree.is_empty() || !parts.points.is_empty() || !parts.spots.is_empty() {
+        if tree.is_empty() || !parts.points.is_empty() {
             return None;
         }
         let beams = lights.beams();

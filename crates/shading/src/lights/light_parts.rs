@@ -8,11 +8,11 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
-use super::{ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, ShapeLights, SpotLight};
+use super::{ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, ShapeLights};
 use crate::batch::SampleKey;
 use crate::sampling::{Basis, cosine_hemisphere, sample_pair, uniform_sphere};
 
-/// A light of a [`LightSet`](super::LightSet): shapes first, then points, spots, directional lights and the environment.
+/// A light of a [`LightSet`](super::LightSet): shapes first, then points, directional lights and the environment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightId(pub u32);
 
@@ -21,10 +21,8 @@ pub struct LightId(pub u32);
 pub enum LightKind {
     /// A triangle that emits to one side, or a sphere.
     Shape(u32),
-    /// From a point to all sides.
+    /// From a point, to all sides or into a cone.
     Point(u32),
-    /// From a point into a cone.
-    Spot(u32),
     /// From infinitely far away.
     Directional(u32),
     /// From everywhere.
@@ -48,10 +46,8 @@ pub struct LightParts {
     /// The names of a hit on each of them: leaf (the instance's object), mesh and primitive; ascending, twice
     /// where both sides of a triangle emit.
     pub shape_ids: Arc<Vec<[u32; 3]>>,
-    /// Lights without extent.
+    /// Lights at points: no scattered ray meets them.
     pub points: Vec<PointLight>,
-    /// Lights without extent.
-    pub spots: Vec<SpotLight>,
     /// Lights infinitely far away.
     pub directionals: Vec<DirectionalLight>,
     /// Light from everywhere.
@@ -173,7 +169,7 @@ impl LightParts {
             (None, None) => true,
             _ => false,
         };
-        same_shapes && self.points == other.points && self.spots == other.spots
+        same_shapes && self.points == other.points
     }
 
     pub(super) fn shape_count(&self) -> usize {
@@ -182,6 +178,6 @@ impl LightParts {
 
     /// Lights with a position.
     pub(super) fn finite_count(&self) -> usize {
-        self.shape_count() + self.points.len() + self.spots.len()
+        self.shape_count() + self.points.len()
     }
 }

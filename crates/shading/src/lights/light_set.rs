@@ -19,6 +19,7 @@ use super::light_estimates::Aim;
 use super::light_lanes::LightLanes;
 use super::light_parts::{LightId, LightKind, LightParts, LightSample, is_sound};
 use super::light_tree::{LightBounds, LightTree};
+use super::punctual::Seen;
 use super::shape::Shape;
 use crate::sampling::{Choice, Distribution};
 
@@ -102,7 +103,6 @@ impl LightSet {
         let kinds = [
             (self.parts.shape_count(), LightKind::Shape as Kind),
             (self.parts.points.len(), LightKind::Point),
-            (self.parts.spots.len(), LightKind::Spot),
             (self.parts.directionals.len(), LightKind::Directional),
         ];
         for (count, kind) in kinds {
@@ -161,20 +161,6 @@ impl LightSet {
         probability: f32,
     ) -> Option<LightSample> {
         let id = LightId(light);
-        let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> Vec3| {
-            let offset = position - p;
-            let dist = offset.length();
-            let dir = offset / dist;
-            let radiance = intensity(-dir) / (dist * dist);
-            (dist > 0.0).then_some(LightSample {
-                dir,
-                dist,
-                radiance,
-                pdf: probability,
-                delta: true,
-                light: id,
-            })
-        };
         match self.kind(id) {
             LightKind::Shape(i) => {
                 let lights = self.parts.shapes.as_ref()?;
@@ -185,12 +171,15 @@ impl LightSet {
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
             LightKind::Point(i) => {
-                let point = &self.parts.points[i as usize];
-                from_point(point.position, &|_| point.intensity)
-            }
-            LightKind::Spot(i) => {
-                let spot = &self.parts.spots[i as usize];
-                from_point(spot.position, &|away| spot.intensity * spot.falloff(away.dot(spot.axis)))
+                let Seen { dir, dist, irradiance } = self.parts.points[i as usize].seen_from(p, u)?;
+                Some(LightSample {
+                    dir,
+                    dist,
+                    radiance: irradiance,
+                    pdf: probability,
+                    delta: true,
+                    light: id,
+                })
             }
             LightKind::Directional(_) | LightKind::Environment => None,
         }
@@ -279,32 +268,14 @@ impl LightSet {
 
     /// Approximate contribution of a light of the tree to a surface; 0 if there is none.
     pub(super) fn contribution(&self, light: u32, p: Vec3, ns: Vec3) -> f32 {
-        let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> f32| {
-            let offset = position - p;
-            let distance2 = offset.length_squared();
-            let dir = offset / distance2.sqrt();
-            let cos = if ns == Vec3::ZERO { 1.0 } else { ns.dot(dir).max(0.0) };
-            let contribution = intensity(-dir) * cos / distance2;
-            if contribution.is_finite() { contribution } else { 0.0 }
-        };
         if let Some(lights) = &self.parts.shapes
             && (light as usize) < lights.len()
         {
             return lights.contribution(light as usize, p, ns);
         }
-        match self.kind(LightId(light)) {
-            LightKind::Point(i) => {
-                let point = &self.parts.points[i as usize];
-                from_point(point.position, &|_| luminance(point.intensity.into()))
-            }
-            LightKind::Spot(i) => {
-                let spot = &self.parts.spots[i as usize];
-                let brightness = luminance(spot.intensity.into());
-                from_point(spot.position, &|away| brightness * spot.falloff(away.dot(spot.axis)))
-            }
-            // Shapes were above; the others have no position.
-            LightKind::Shape(_) | LightKind::Directional(_) | LightKind::Environment => 0.0,
-        }
+        let LightKind::Point(i) = self.kind(LightId(light)) else { return 0.0 };
+        let contribution = self.parts.points[i as usize].estimate(p, ns);
+        if contribution.is_finite() { contribution } else { 0.0 }
     }
 }
 
@@ -320,23 +291,16 @@ fn ball([low, high]: [Vec3; 2]) -> (Vec3, f32) {
 
 /// Lights with a position, as the tree's input.
 fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
-    let at = |p: Vec3, intensity: Vec3| LightBounds {
-        min: p,
-        max: p,
-        axis: Vec3::Z,
-        cos_normals: -1.0,
-        cos_emission: 0.0,
-        power: luminance(intensity.into()),
-    };
     let shapes = parts.shapes.iter().flat_map(|lights| lights.bounds());
-    let points = parts.points.iter().map(|light| at(light.position, light.intensity));
-    let spots = parts.spots.iter().map(|light| LightBounds {
-        axis: light.axis,
-        cos_normals: 1.0,
-        cos_emission: light.cos_outer,
-        ..at(light.position, light.intensity)
+    let points = parts.points.iter().map(|light| LightBounds {
+        min: light.position - Vec3::splat(light.radius),
+        max: light.position + Vec3::splat(light.radius),
+        axis: light.cone.map_or(Vec3::Z, |cone| cone.axis),
+        cos_normals: light.cone.map_or(-1.0, |_| 1.0),
+        cos_emission: light.cone.map_or(0.0, |cone| cone.cos_outer),
+        power: luminance(light.intensity.into()),
     });
-    shapes.chain(points).chain(spots).map(Some).collect()
+    shapes.chain(points).map(Some).collect()
 }
 
 fn bright(color: Vec3) -> f64 {
@@ -345,14 +309,9 @@ fn bright(color: Vec3) -> f64 {
 
 /// Watts of each light with a position, by brightness.
 fn near_powers(parts: &LightParts) -> impl Iterator<Item = f64> + '_ {
-    let pi = f64::from(PI);
     let shapes = parts.shapes.iter().flat_map(|lights| lights.shapes.iter().map(Shape::watts));
-    let points = parts.points.iter().map(move |light| 4.0 * pi * bright(light.intensity));
-    let spots = parts
-        .spots
-        .iter()
-        .map(move |light| 2.0 * pi * f64::from(1.0 - light.cos_outer) * bright(light.intensity));
-    shapes.chain(points).chain(spots)
+    let points = parts.points.iter().map(|light| f64::from(light.solid_angle()) * bright(light.intensity));
+    shapes.chain(points)
 }
 
 /// Watts of each light from far away, by brightness, that a ball of radius `radius` catches.

@@ -109,8 +109,14 @@ fn everything() -> LightSet {
     };
     set(LightParts {
         shapes: shapes((0..48).map(emissive_shape), &[1.0, 5.0, 20.0]),
-        points: vec![PointLight { position: Vec3::new(0.5, 0.0, 2.0), intensity: Vec3::ONE }],
-        spots: SpotLight::new(Vec3::new(0.0, 1.0, 2.0), -Vec3::Z, Vec3::ONE, 0.3, 0.6).into_iter().collect(),
+        points: vec![
+            PointLight::new(Vec3::new(0.5, 0.0, 2.0), Vec3::ONE),
+            PointLight {
+                cone: Cone::new(-Vec3::Z, 0.3, 0.6, ConeEdge::Squared),
+                radius: 0.2,
+                ..PointLight::new(Vec3::new(0.0, 1.0, 2.0), Vec3::ONE)
+            },
+        ],
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE, 0.0).into_iter().collect(),
         environment: Some(picture()),
         ..LightParts::default()
@@ -162,7 +168,7 @@ fn sphere_has_its_closed_form() {
 #[test]
 fn lights_without_extent_and_constant_skies_have_closed_forms() {
     let lights = set(LightParts {
-        points: vec![PointLight { position: Vec3::new(0.0, 0.0, 2.0), intensity: Vec3::splat(8.0) }],
+        points: vec![PointLight::new(Vec3::new(0.0, 0.0, 2.0), Vec3::splat(8.0))],
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::splat(3.0), 0.0).into_iter().collect(),
         environment: Some(EnvironmentLight::Constant(Arc::new(ConstantEnvironment { radiance: Vec3::ONE }))),
         ..LightParts::default()
@@ -228,12 +234,8 @@ fn densities_are_those_of_samples() {
                         lights.pdf_environment(p, n, s.dir)
                     }
                 }
-                LightKind::Point(_) => {
-                    hits_by_kind[2] += 1;
-                    s.pdf
-                }
-                LightKind::Spot(_) => {
-                    hits_by_kind[3] += 1;
+                LightKind::Point(i) => {
+                    hits_by_kind[2 + i as usize] += 1;
                     s.pdf
                 }
                 LightKind::Directional(_) => {
@@ -347,8 +349,9 @@ fn directions_follow_their_density() {
 #[test]
 fn emission_adds_up_to_the_power() {
     let far = (4.0 * 3.0_f32.sqrt() / 2.0 * 1.001).powi(2) * PI;
-    let spot = SpotLight::new(Vec3::Z, -Vec3::Z, Vec3::splat(2.0), 0.3, 0.6).expect("it points down");
-    // The falloff is a square between the cones: a third of the cosines' difference.
+    let cone = |edge| Cone::new(-Vec3::Z, 0.3, 0.6, edge);
+    let spot = |edge| PointLight { cone: cone(edge), ..PointLight::new(Vec3::Z, Vec3::splat(2.0)) };
+    // A square between the cones has a third of the cosines' difference, a smooth step half.
     let (inner, outer) = (0.3_f32.cos(), 0.6_f32.cos());
     let cases = [
         (LightParts { shapes: triangles(&square(), &[1.0]), ..LightParts::default() }, 4.0 * PI, "square"),
@@ -362,16 +365,24 @@ fn emission_adds_up_to_the_power() {
         ),
         (
             LightParts {
-                points: vec![PointLight { position: Vec3::ONE, intensity: Vec3::splat(2.0) }],
+                points: vec![PointLight::new(Vec3::ONE, Vec3::splat(2.0))],
                 ..LightParts::default()
             },
             8.0 * PI,
             "point",
         ),
         (
-            LightParts { spots: vec![spot], ..LightParts::default() },
+            LightParts { points: vec![spot(ConeEdge::Squared)], ..LightParts::default() },
             4.0 * PI * (1.0 - inner + (inner - outer) / 3.0),
             "spot",
+        ),
+        (
+            LightParts {
+                points: vec![PointLight { radius: 0.3, ..spot(ConeEdge::Smooth) }],
+                ..LightParts::default()
+            },
+            4.0 * PI * (1.0 - inner + (inner - outer) / 2.0),
+            "smooth spot with a radius",
         ),
         (
             LightParts {
@@ -576,7 +587,7 @@ fn lanes_choose_as_points_do() {
 
 #[test]
 fn places_are_on_near_lights() {
-    let points = vec![PointLight { position: Vec3::new(9.0, 0.0, 0.0), intensity: Vec3::splat(8.0) }];
+    let points = vec![PointLight::new(Vec3::new(9.0, 0.0, 0.0), Vec3::splat(8.0))];
     let lights = set(LightParts { shapes: triangles(&square(), &[1.0]), points, ..LightParts::default() });
     assert_eq!(lights.near_count(), 3);
     let count = |p: Vec3| {

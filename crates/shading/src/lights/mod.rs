@@ -31,5 +31,5 @@ pub use light_estimates::LEAST_SHARE;
 pub use light_lanes::{LightSampleX16, LightSamples};
 pub use light_parts::{EnvironmentLight, LightId, LightKind, LightParts, LightSample};
 pub use light_set::LightSet;
-pub use punctual::{DirectionalLight, PointLight, SpotLight};
+pub use punctual::{Cone, ConeEdge, DirectionalLight, PointLight};
 pub use shape::Outline;

@@ -16,7 +16,7 @@ impl LightSet {
         self.parts.finite_count()
     }
 
-    /// Where a light that is likely to matter at `p` sends its light from: a place on it, or the middle of a sphere. By three
+    /// Where a light that is likely to matter at `p` sends its light from: a place on it, or the middle of a sphere or a disc. By three
     /// numbers in [0, 1): one for the choice, two for the place. `None` if no light has a position. Lamps count whatever side of them `p` sees.
     #[must_use]
     pub fn near_place(&self, p: Vec3, [choice, x, y]: [f32; 3]) -> Option<Vec3> {
@@ -26,11 +26,7 @@ impl LightSet {
                 (Some(shape), _) => (shape.p[0], shape.power, shape.area()),
                 (None, LightKind::Point(i)) => {
                     let point = &self.parts.points[i as usize];
-                    (point.position, luminance(point.intensity.into()), 0.0)
-                }
-                (None, LightKind::Spot(i)) => {
-                    let spot = &self.parts.spots[i as usize];
-                    (spot.position, luminance(spot.intensity.into()), 0.0)
+                    (point.position, luminance(point.intensity.into()), point.radius * point.radius)
                 }
                 _ => return 0.0,
             };
@@ -43,7 +39,6 @@ impl LightSet {
         }
         match self.kind(LightId(light)) {
             LightKind::Point(i) => Some(self.parts.points[i as usize].position),
-            LightKind::Spot(i) => Some(self.parts.spots[i as usize].position),
             _ => None,
         }
     }

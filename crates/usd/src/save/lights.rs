@@ -16,18 +16,19 @@ use super::transforms::{frame, write_transform};
 /// Writes a light.
 pub(super) fn write(light: &Light, name: &str, files: &[String], text: &mut Text) {
     match light {
-        Light::Point { position, intensity } => {
+        Light::Point { position, intensity, radius } => {
             text.open("def SphereLight", name, &[]);
             write_transform(&Affine::translation(position.map(f64::from)), text);
-            write_point(*intensity, text);
+            write_point(*intensity, *radius, text);
             text.close();
         }
-        Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+        Light::Spot { position, direction, intensity, inner_angle, outer_angle, edge, radius } => {
             text.open("def SphereLight", name, &["prepend apiSchemas = [\"ShapingAPI\"]".to_owned()]);
             write_transform(&towards(*direction, *position), text);
-            write_point(*intensity, text);
+            write_point(*intensity, *radius, text);
             text.line(format_args!("float inputs:shaping:cone:angle = {}", outer_angle.to_degrees()));
-            let softness = 1.0 - inner_angle / outer_angle.max(f32::MIN_POSITIVE);
+            let softness =
+                1.0 - edge.squared_inner(*inner_angle, *outer_angle) / outer_angle.max(f32::MIN_POSITIVE);
             text.line(format_args!("float inputs:shaping:cone:softness = {}", softness.clamp(0.0, 1.0)));
             text.close();
         }
@@ -54,9 +55,13 @@ pub(super) fn write(light: &Light, name: &str, files: &[String], text: &mut Text
     }
 }
 
-fn write_point(intensity: [f32; 3], text: &mut Text) {
-    text.line("bool treatAsPoint = true");
-    text.line("float inputs:radius = 0.01");
+fn write_point(intensity: [f32; 3], radius: f32, text: &mut Text) {
+    if radius > 0.0 {
+        text.line(format_args!("float inputs:radius = {radius}"));
+    } else {
+        text.line("bool treatAsPoint = true");
+        text.line("float inputs:radius = 0.01");
+    }
     text.line("bool inputs:normalize = true");
     write_strength(intensity, 4.0, text);
 }
