@@ -110,18 +110,18 @@ fn gather(
         shader.evaluate_traced(tracer, points, &mut closures);
         to.add_outputs(shader, points, |k| {
             let (pixel, share) = of(lanes[k] as usize);
-            (pixel, share * closures.coverage(k).clamp(0.0, 1.0))
+            (pixel, share * closures.coverage(k))
         });
         for (k, &lane) in lanes.iter().enumerate() {
             let (pixel, share) = of(lane as usize);
-            let coverage = closures.coverage(k).clamp(0.0, 1.0);
+            let coverage = closures.coverage(k);
             if coverage > 0.0 && !to.colors.is_empty() {
                 let parts = closures.point(k).bsdf.albedo_parts(-points.ray_dir.get(k));
                 if parts.iter().all(|part| part.is_finite()) {
                     to.add_colors(pixel, share * coverage, parts);
                 }
             }
-            let left = share * (1.0 - coverage);
+            let left = share * (1.0 - closures.stopped(k));
             if left > LEAST {
                 rest.rays.push(points.spawn(k, points.ray_dir.get(k), f32::INFINITY));
                 rest.keys.push(from.keys[lane as usize]);

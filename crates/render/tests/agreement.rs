@@ -18,7 +18,7 @@ use gnurt_scene::{Affine, Light, Material, MaterialId, Scene, Surface, TextureId
 use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Lobe, Lobes};
 use gnurt_shading::lights::PointLight;
 use gnurt_shading::sampling::Basis;
-use gnurt_shading::{LightBatch, LightShader, SurfaceBatch, SurfaceShader, Vec3s};
+use gnurt_shading::{LightBatch, LightShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 /// Independent renderings per integrator.
 const BATCHES: u64 = 8;
@@ -264,7 +264,7 @@ fn world(subject: &str, area_light: &str, up: f32, front: bool, threads: &rayon:
 }
 
 /// Lobes of a shading language: few surfaces have them, or around normals of their own.
-const LOBES: [&str; 14] = [
+const LOBES: [&str; 16] = [
     "phong",
     "ward",
     "brushed ward",
@@ -279,12 +279,23 @@ const LOBES: [&str; 14] = [
     "coat over a body that leans",
     "leaning both ways",
     "glass and paper",
+    "coloured veil",
+    "coloured film",
 ];
 
 /// A surface of those lobes.
 struct OfLobes(&'static str);
 
 impl OfLobes {
+    /// The share of paths that it stops, and how much light others carry on.
+    fn passing(&self) -> Option<(f32, Vec3)> {
+        match self.0 {
+            "coloured veil" => Some((0.6, Vec3::new(0.75, 0.25, 0.125) / 0.4)),
+            "coloured film" => Some((0.0, Vec3::new(0.3, 0.8, 0.4))),
+            _ => None,
+        }
+    }
+
     fn lobes(&self, ns: Vec3, front: bool) -> Lobes {
         let (tint, white) = (Vec3::new(0.7, 0.5, 0.3), Vec3::ONE);
         let Basis { tangent: x, bitangent: y, .. } = Basis::around(ns);
@@ -296,6 +307,8 @@ impl OfLobes {
         let eta = if front { 1.0 / 1.5 } else { 1.5 };
         let times = |lobe: Lobe, share: f32| Lobes::from(lobe).times(Vec3::splat(share));
         match self.0 {
+            "coloured film" => Lobes::default(),
+            "coloured veil" => times(body, 0.8),
             "phong" => times(Lobe::phong(12.0), 0.8),
             "ward" => times(Lobe::ward(0.4), 0.8),
             "brushed ward" => times(Lobe::ward(0.3).brushed(x, 0.6), 0.8),
@@ -325,7 +338,20 @@ impl SurfaceShader for OfLobes {
         for i in 0..hits.len() {
             let ns = hits.facing_ns(i);
             out.set(i, ns, self.lobes(ns, hits.front(i)).as_slice());
+            if let Some((coverage, passing)) = self.passing() {
+                out.cover(i, coverage);
+                out.tint(i, passing);
+            }
         }
+    }
+
+    fn transmit(&self, _tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let (coverage, passing) = self.passing().expect("only where it lets light through");
+        (0..hits.len()).for_each(|i| out.set(i, passing * (1.0 - coverage)));
+    }
+
+    fn is_opaque(&self) -> bool {
+        self.passing().is_none()
     }
 }
 

@@ -80,10 +80,7 @@ impl Fixed {
                 anisotropy: lights.anisotropy,
             };
             let stopped = lists.lobes(0);
-            // A pane for coloured transmission lies around the points' normals even where lobes of closures
-            // do not.
-            let is_pane = stopped.as_slice().len() > lobes.as_slice().len();
-            (is_plain && !is_pane).then_some(Side { lobes, through, stopped, emission_and_opacity, interior })
+            is_plain.then_some(Side { lobes, through, stopped, emission_and_opacity, interior })
         };
         Some(Self { front: flatten_lists(0)?, back: flatten_lists(1)? })
     }

@@ -190,7 +190,7 @@ impl SurfaceShader for ScriptSurface {
     fn gaps(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = self.around(tracer, hits);
         self.each_single(&world, hits, Caller::Shadow, |i, _, through| {
-            out.set(i, Vec3::splat(through.clamp(Vec3::ZERO, Vec3::ONE).min_element()));
+            out.set(i, through.clamp(Vec3::ZERO, Vec3::ONE));
         });
     }
 

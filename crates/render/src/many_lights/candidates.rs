@@ -210,7 +210,8 @@ fn ends(
             walks.push((ray, cone), SampleKey { pixel: path, sample: 0, branch: 0xeee }, (path, k));
         }
     }
-    let met = walks.meet(tracer, 1);
+    // Only where they end counts.
+    let met = walks.meet(tracer, 1).vertices;
     let (mut ends, mut pilot_of) = (Vec::new(), Vec::new());
     for ((path, k), vertex) in walks.carried.into_iter().zip(met) {
         let lit = |v: &Vertex| !v.is_final && v.scattering.bsdf.is_smooth();

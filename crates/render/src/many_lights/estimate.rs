@@ -9,6 +9,7 @@
 //! because virtual lights never lie on them.
 //! Tests: crates/render/tests/many_lights.rs.
 
+use std::borrow::Cow;
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
@@ -35,7 +36,7 @@ use crate::cone::{Cone, ConeHit, fineness};
 use crate::tracer::{BatchTracer, Sharing};
 use crate::transport::manifold::{Caustics, Chain};
 use crate::transport::mis::balance_heuristic;
-use crate::transport::walks::Walks;
+use crate::transport::walks::{Stops, Walks};
 use crate::transport::{Vertex, roulette, sampling_normal};
 use crate::world::HitLanes;
 
@@ -107,11 +108,11 @@ fn all_radiance(
     // The radiance of directly visible radiance-only shaders is used as it is.
     let probes = std::mem::replace(&mut tracer.probes, false);
     let mut passed = Vec::new();
-    let vertices = tracer.stopped(camera, &[], &mut |lane, vertex| passed.push((lane, vertex)));
+    let stops = tracer.stopped(camera, &[], &mut |lane, vertex| passed.push((lane, vertex)));
     tracer.probes = probes;
     let mut parts = tracer.wavefront.ledger.is_some().then(Parts::default);
     let out = Out { radiance: &mut *radiance, texels, parts: parts.as_mut() };
-    go_on(tracer, pass, (walks, Ends { vertices, passed }), pixels, 1, out);
+    go_on(tracer, pass, (walks, Ends { stops, passed }), pixels, 1, out);
     if let (Some(parts), Some(ledger)) = (parts, &mut tracer.wavefront.ledger) {
         parts.write(radiance, &options.light_layers, &mut ledger.layers);
     }
@@ -165,7 +166,7 @@ fn go_on(
 ) {
     for (step, depth) in (depth..).enumerate() {
         if let Some(texels) = &mut texels {
-            split_radiance_only(tracer, &walks.carried, &ends.vertices, texels);
+            split_radiance_only(tracer, &ends.dim(&walks.carried), &ends.stops.vertices, texels);
         }
         // Only light of the first and the second edge is told apart.
         let mut parts = parts.as_deref_mut().filter(|_| step < 2);
@@ -262,10 +263,21 @@ fn split_radiance_only(
 /// Where walks lead.
 #[derive(Default)]
 struct Ends {
-    /// The vertices that stop them.
-    vertices: Vec<Option<Vertex>>,
+    stops: Stops,
     /// Emitting surfaces that they pass on the way, with the number of the walk.
     passed: Vec<(usize, Vertex)>,
+}
+
+impl Ends {
+    /// The walks with the light that comes from where they stop.
+    fn dim<'a>(&self, walks: &'a [Walk]) -> Cow<'a, [Walk]> {
+        if !self.stops.is_tinted() {
+            return walks.into();
+        }
+        let dim =
+            |(i, walk): (usize, &Walk)| Walk { throughput: walk.throughput * self.stops.passed(i), ..*walk };
+        walks.iter().enumerate().map(dim).collect()
+    }
 }
 
 /// The hits of walks; radiance-only shaders seen directly or by mirrors show their own radiance.
@@ -275,7 +287,7 @@ fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Ends {
         return meet(tracer, walks, first_is_seen, depth);
     }
     let mut ends = Ends::default();
-    ends.vertices.resize_with(walks.carried.len(), || None);
+    ends.stops = Stops::none(walks.carried.len());
     for is_directly_visible in [true, false] {
         let mut some = Walks::default();
         for (i, walk) in walks
@@ -290,7 +302,9 @@ fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Ends {
         let found = meet(tracer, &some, is_directly_visible, depth);
         let passed = found.passed.into_iter().map(|(k, vertex)| (some.carried[k], vertex));
         ends.passed.extend(passed);
-        some.carried.into_iter().zip(found.vertices).for_each(|(i, vertex)| ends.vertices[i] = vertex);
+        some.carried.iter().enumerate().for_each(|(k, &i)| ends.stops.tint(i, found.stops.passed(k)));
+        let found = some.carried.into_iter().zip(found.stops.vertices);
+        found.for_each(|(i, vertex)| ends.stops.vertices[i] = vertex);
     }
     ends
 }
@@ -299,9 +313,9 @@ fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Ends {
 fn meet<W>(tracer: &mut BatchTracer, walks: &Walks<W>, is_directly_visible: bool, depth: u32) -> Ends {
     let probes = std::mem::replace(&mut tracer.probes, !is_directly_visible);
     let mut passed = Vec::new();
-    let vertices = walks.meet_all(tracer, depth, &mut |lane, vertex| passed.push((lane, vertex)));
+    let stops = walks.meet_all(tracer, depth, &mut |lane, vertex| passed.push((lane, vertex)));
     tracer.probes = probes;
-    Ends { vertices, passed }
+    Ends { stops, passed }
 }
 
 /// The light that virtual lights leave to rays, found by one ray.
@@ -360,7 +374,7 @@ pub(super) fn rest_at(
         *found = Some(Rest { dir, cos, dist: f32::INFINITY, radiance: Vec3::ZERO });
     }
     let ends = next(tracer, &walks, edges);
-    for (walk, vertex) in walks.carried.iter().zip(&ends.vertices) {
+    for (walk, vertex) in walks.carried.iter().zip(&ends.stops.vertices) {
         if let (Some(found), Some(vertex)) = (&mut found[walk.lane as usize], vertex) {
             found.dist = vertex.t;
         }
@@ -389,7 +403,7 @@ fn visible_parts(tracer: &BatchTracer, walks: &Walks<Walk>, ends: &Ends) -> (Vec
         let walk = walks.carried[*i].absorbed(Some(vertex));
         emitted(tracer, &walk, vertex, &mut emission);
     }
-    (emission, ends.vertices.iter().map(Option::is_none).collect())
+    (emission, ends.stops.vertices.iter().map(Option::is_none).collect())
 }
 
 /// Adds the light at the end of each ray; returns the walks that may continue.
@@ -397,17 +411,18 @@ fn arrive(
     tracer: &mut BatchTracer,
     pass: &PassLights,
     walks: &Walks<Walk>,
-    Ends { vertices, passed }: Ends,
+    ends: Ends,
     radiance: &mut Vec3s,
 ) -> Vec<Stop> {
     let lights = tracer.world.light_set();
-    let mut stops = Vec::with_capacity(vertices.len());
+    let mut stops = Vec::with_capacity(ends.stops.vertices.len());
     let Walks { rays, carried, .. } = walks;
-    for (i, vertex) in &passed {
+    for (i, vertex) in &ends.passed {
         emitted(tracer, &carried[*i].absorbed(Some(vertex)), vertex, radiance);
     }
-    environment_of_shaders(tracer, carried, &vertices, rays, radiance);
-    for (i, (walk, vertex)) in carried.iter().zip(vertices).enumerate() {
+    let carried = &ends.dim(carried)[..];
+    environment_of_shaders(tracer, carried, &ends.stops.vertices, rays, radiance);
+    for (i, (walk, vertex)) in carried.iter().zip(ends.stops.vertices).enumerate() {
         let lane = walk.lane as usize;
         let walk = &walk.absorbed(vertex.as_ref());
         let Some(mut vertex) = vertex else {

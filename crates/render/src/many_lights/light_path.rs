@@ -222,6 +222,8 @@ pub(crate) fn trace(
     let mut out = Vec::new();
     while let Some(first) = walks.carried.first() {
         let found = walks.meet(tracer, first.edges);
+        (0..walks.carried.len()).for_each(|i| walks.carried[i].power *= found.passed(i));
+        let found = found.vertices;
         query_plugins(world, &walks.rays, &mut walks.carried, &found);
         let mut next = Walks::default();
         for (walk, vertex) in walks.carried.iter().zip(found) {

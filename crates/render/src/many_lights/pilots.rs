@@ -103,7 +103,10 @@ impl Pilots {
             walks.chances = chances(options.seed_of_lights(), &walks.keys, edges);
             let found = walks.meet(tracer, edges);
             let mut next = Walks::default();
-            for ((&key, &throughput), vertex) in walks.keys.iter().zip(&walks.carried).zip(found) {
+            let passed: Vec<Vec3> = (0..walks.carried.len()).map(|i| found.passed(i)).collect();
+            let carried = walks.keys.iter().zip(&walks.carried).zip(passed);
+            for (((&key, &throughput), passed), vertex) in carried.zip(found.vertices) {
+                let throughput = throughput * passed;
                 let Some(vertex) = vertex.filter(|v| !v.is_final) else { continue };
                 let eye = EyePoint::new(vertex, throughput, edges, 0);
                 if eye.bsdf.is_smooth() {
@@ -281,12 +284,13 @@ fn ends_of_rays(
     walks.chances = chances(job.options.seed_of_lights(), &walks.keys, MOST_MIRRORS + 1);
     let found = walks.meet(tracer, MOST_MIRRORS + 1);
     let mut out = Vec::new();
-    for ((eye, sample), vertex) in walks.carried.into_iter().zip(found) {
+    let passed: Vec<Vec3> = (0..walks.carried.len()).map(|i| found.passed(i)).collect();
+    for (((eye, sample), passed), vertex) in walks.carried.into_iter().zip(passed).zip(found.vertices) {
         let Some(vertex) = vertex.filter(|v| !v.is_final && v.scattering.bsdf.is_smooth()) else { continue };
         let distance2 = (vertex.point.p - eye.point.p).length_squared();
         let (cos, back) = (vertex.point.ng.dot(vertex.wo).abs(), eye.point.ng.dot(vertex.wo).abs());
         let share = bound.share(sample.pdf * cos / distance2, cos * FRAC_1_PI * back / distance2);
-        let throughput = eye.throughput * sample.weight * (1.0 - share);
+        let throughput = eye.throughput * sample.weight * passed * (1.0 - share);
         if throughput.max_element() >= LEAST_REST {
             out.push(EyePoint::new(vertex, throughput, eye.edges + 1, 0));
         }

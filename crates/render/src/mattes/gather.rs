@@ -76,7 +76,7 @@ fn cover(
         }
         for (k, &lane) in lanes.iter().enumerate() {
             let (pixel, share) = of(lane as usize);
-            let coverage = if is_solid { 1.0 } else { closures.coverage(k).clamp(0.0, 1.0) };
+            let coverage = if is_solid { 1.0 } else { closures.stopped(k) };
             if coverage > 0.0 {
                 let ids = world.matte_ids(points.inst_id[k], material);
                 for (kind, which) in kinds.iter().enumerate() {

@@ -202,7 +202,7 @@ impl Met<'_, '_> {
         } else if closures.kinds(k) & !WIDE != 0 {
             roughness = grain_of(closures.widths(k));
         }
-        if closures.is_partly_transparent() && closures.coverage(k) < 0.5 {
+        if closures.is_partly_transparent() && closures.stopped(k) < 0.5 {
             let (point, cone) = (points.point(k), ConeHit::of(points, k));
             let ray = (point.spawn(-toward, f32::INFINITY), cone.straight());
             beyond.push(ray, points.key[k], Beyond { lane, throughput: Vec3::ONE, distance: t });
@@ -249,9 +249,10 @@ fn see_beyond(
     let probes = std::mem::replace(&mut tracer.probes, true);
     let found = walks.meet(tracer, depth);
     tracer.probes = probes;
-    for (i, (&Beyond { lane, throughput, distance }, vertex)) in walks.carried.iter().zip(&found).enumerate()
+    for (i, (&Beyond { lane, throughput, distance }, vertex)) in
+        walks.carried.iter().zip(&found.vertices).enumerate()
     {
-        let sample = &mut sights[lane];
+        let (sample, throughput) = (&mut sights[lane], throughput * found.passed(i));
         let Some(vertex) = vertex else {
             let visible = tracer.environment(&walks.rays, &[i], |_| false).get(0);
             let plain = sample.tint.plain + throughput * visible;

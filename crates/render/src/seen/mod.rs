@@ -251,12 +251,12 @@ impl TileSeen {
                 if !is_final && before.is_exact && before.edges <= most_light {
                     add(&mut self.split[here.pixel], here.weight * closures.emission(k));
                 }
-                let coverage = closures.coverage(k).clamp(0.0, 1.0);
+                let (coverage, passing) = (closures.coverage(k).clamp(0.0, 1.0), closures.passing(k));
                 let hit = ConeHit::of(points, k);
                 if coverage < 1.0 {
                     let rest = Branch {
-                        weight: before.weight * (1.0 - coverage),
-                        share: before.share * (1.0 - coverage),
+                        weight: before.weight * passing * (1.0 - coverage),
+                        share: before.share * (1.0 - closures.stopped(k)),
                         way: here.way,
                         ..before
                     };

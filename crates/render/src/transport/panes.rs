@@ -192,7 +192,8 @@ fn ahead(
         && !opacity::is_met(tracer.options.seed, key, straight_path.edges, closures.coverage(k))
     {
         let onward = opacity::rest(ray, points.spawn(k, dir, f32::INFINITY));
-        let next = StraightPath { layers: straight_path.layers + 1, inside: behind, ..*straight_path };
+        let left = straight_path.left * closures.passing(k);
+        let next = StraightPath { layers: straight_path.layers + 1, inside: behind, left, ..*straight_path };
         return (straight_path.layers < opacity::MOST_LAYERS).then_some((
             onward,
             opacity::key_beyond(key),

@@ -95,6 +95,7 @@ impl Met<'_> {
             path.inside = path.inside.crossing(self.medium, self.points.front(k));
         }
         path.key = opacity::key_beyond(path.key);
+        path.throughput *= self.closures.passing(k);
         if path.layers <= opacity::MOST_LAYERS {
             let ray = self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY);
             onward.next.push(path, (ray, ConeHit::of(self.points, k).straight()));
@@ -134,6 +135,18 @@ impl Met<'_> {
         let Some(caustics) = self.caustics else { return 1.0 };
         let edge = (self.left(k), self.points.p.get(k), self.points.ray_dir.get(k));
         path.chain.beside_searches((lights, caustics), self.ids(k), edge)
+    }
+
+    /// The part of light from point `k` that counts: of points that stop no path for sure, and of media before those that the path passes.
+    fn part_of_light(&self, k: usize, passes: bool) -> Vec3 {
+        let part = Vec3::splat(self.closures.coverage(k));
+        if !(passes && self.paths.has_media()) {
+            return part;
+        }
+        // Paths that are stopped were dimmed as a whole.
+        let path = self.path(k);
+        let dist = (self.points.p.get(k) - path.start).length();
+        part * left_after(dist, [path.absorption, self.closures.medium(k).on(true)])
     }
 
     /// Whether the path at point `k` sees a hole there.
@@ -300,6 +313,8 @@ pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
         || met.backdrop.is_some();
     for first in (0..count).step_by(W::R::LANES) {
         let mut there = u64::MAX >> (64 - W::R::LANES.min(count - first));
+        // Points that paths pass, and that scatter some light all the same.
+        let mut passed = 0;
         if needs_vertices {
             for i in LanesOf(there) {
                 let k = first + i;
@@ -310,6 +325,7 @@ pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
                 }
                 if passes {
                     met.pass(k, onward);
+                    passed |= u64::from(!is_held_out && met.closures.coverage(k) > 0.0) << i;
                 }
                 if passes || is_held_out {
                     there &= !(1 << i);
@@ -317,25 +333,27 @@ pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
             }
         }
         let mut edges = [0; LANES];
-        for i in LanesOf(there) {
+        for i in LanesOf(there | passed) {
             edges[i] = met.paths.edges[met.numbers[first + i] as usize];
             if edges[i] >= met.options.max_depth {
                 there &= !(1 << i);
+                passed &= !(1 << i);
             }
         }
-        if there != 0 && !met.is_final {
-            scatter(width, met, first, there, &edges, onward);
+        if there | passed != 0 && !met.is_final {
+            scatter(width, met, first, [there, passed], &edges, onward);
         }
     }
 }
 
-/// Samples light for the points from `first` on that are `there`, and scatters their paths.
+/// Samples light for the points from `first` on that stop paths or are passed, and scatters those paths that they stop. Light samples
+/// of points that are there in part count that part, whether or not a path is stopped.
 #[inline(always)]
 fn scatter<W: Width>(
     width: W,
     met: &Met,
     first: usize,
-    there: u64,
+    [stopped, passed]: [u64; 2],
     edges: &[u32; LANES],
     onward: &mut Onward,
 ) {
@@ -343,7 +361,10 @@ fn scatter<W: Width>(
     let zero = width.zero();
     let HitLanes { keys, cones, .. } = met.from;
     let of = Of { paths: met.paths, keys, cones, numbers: &met.numbers[first..] };
-    let there = zero.points(there);
+    let [there, asks] = [stopped, stopped | passed].map(
+        #[inline(always)]
+        |points| zero.points(points),
+    );
     let wo = -vectors(zero, &points.ray_dir, first);
     let at = leaving(zero, points, first, wo);
     let [r, g, b] = zero.each_of(
@@ -360,14 +381,26 @@ fn scatter<W: Width>(
         |guide| {
             zero.outline(
                 #[inline(always)]
-                || Mixture::new(guide, there, [at.p, at.ns], &prepared),
+                || Mixture::new(guide, asks, [at.p, at.ns], &prepared),
             )
         },
     );
     let mixture = mixture.as_ref();
     if !lights.is_empty() {
-        let requests = there & prepared.is_smooth();
-        let points = LitPoints { first, of, at: &at, wo, throughput, prepared: &prepared, mixture };
+        let requests = asks & prepared.is_smooth();
+        let mut there_in_part = throughput;
+        if met.closures.is_partly_transparent() {
+            let [r, g, b] = zero.each_of(
+                #[inline(always)]
+                |i| match number_of(of, i) {
+                    None => [0.0; 3],
+                    Some(_) => met.part_of_light(first + i, passed >> i & 1 != 0).into(),
+                },
+            );
+            there_in_part = throughput * Vector::new(r, g, b);
+        }
+        let points =
+            LitPoints { first, of, at: &at, wo, throughput: there_in_part, prepared: &prepared, mixture };
         for_each_light_sample(
             width,
             (lights, draws),
@@ -375,6 +408,9 @@ fn scatter<W: Width>(
             #[inline(always)]
             |sample| take_light_sample(width, met, &points, sample, onward),
         );
+    }
+    if stopped == 0 {
+        return;
     }
     let [x, y, choice] = W::triple(draws, purpose::DIRECTION);
     let [_, survival] = W::pair(draws, purpose::CHOICE);

@@ -44,6 +44,42 @@ impl<W> Default for Walks<W> {
     }
 }
 
+/// Where rays stop.
+#[derive(Default)]
+pub(crate) struct Stops {
+    /// By ray; `None` where it leaves the scene.
+    pub(crate) vertices: Vec<Option<Vertex>>,
+    /// The factors of light of what rays passed; empty if all are 1.
+    passed: Vec<Vec3>,
+}
+
+impl Stops {
+    /// Of no light so far, for this number of rays.
+    pub(crate) fn none(count: usize) -> Self {
+        let mut vertices = Vec::new();
+        vertices.resize_with(count, || None);
+        Self { vertices, passed: Vec::new() }
+    }
+
+    /// The factor of light that comes to a ray's origin from where it stops.
+    pub(crate) fn passed(&self, ray: usize) -> Vec3 {
+        self.passed.get(ray).copied().unwrap_or(Vec3::ONE)
+    }
+
+    /// Whether some factor is another than 1.
+    pub(crate) fn is_tinted(&self) -> bool {
+        !self.passed.is_empty()
+    }
+
+    /// Multiplies that factor.
+    pub(crate) fn tint(&mut self, ray: usize, factor: Vec3) {
+        if factor != Vec3::ONE {
+            self.passed.resize(self.vertices.len(), Vec3::ONE);
+            self.passed[ray] *= factor;
+        }
+    }
+}
+
 impl<W> Walks<W> {
     /// Appends one.
     pub(crate) fn push(&mut self, (ray, cone): (Ray, Cone), key: SampleKey, carried: W) {
@@ -58,7 +94,7 @@ impl<W> Walks<W> {
     }
 
     /// The vertex where each is stopped; `None` where it leaves the scene. `depth` counts edges.
-    pub(crate) fn meet(&self, tracer: &mut BatchTracer, depth: u32) -> Vec<Option<Vertex>> {
+    pub(crate) fn meet(&self, tracer: &mut BatchTracer, depth: u32) -> Stops {
         self.meet_all(tracer, depth, &mut |_, _| ())
     }
 
@@ -68,9 +104,9 @@ impl<W> Walks<W> {
         tracer: &mut BatchTracer,
         depth: u32,
         passed: &mut dyn FnMut(usize, Vertex),
-    ) -> Vec<Option<Vertex>> {
+    ) -> Stops {
         if self.is_empty() {
-            return Vec::new();
+            return Stops::default();
         }
         tracer.stats.secondary_rays += self.rays.len() as u64;
         let hits = tracer.intersect(RayMask::OTHER, &self.rays, &self.keys, Coherence::Incoherent);
@@ -81,16 +117,16 @@ impl<W> Walks<W> {
 }
 
 impl BatchTracer<'_> {
-    /// The vertex where each ray stops, given its hit. A partly transparent surface is passed at random, by
+    /// Where each ray stops, given its hit. A partly transparent surface is passed at random, by
     /// the `chances` of the rays, or by their keys if there are none; `passed` gets those that emit, by their lanes.
     pub(crate) fn stopped(
         &mut self,
         from: HitLanes,
         chances: &[f32],
         passed: &mut dyn FnMut(usize, Vertex),
-    ) -> Vec<Option<Vertex>> {
+    ) -> Stops {
         let (depth, seed) = (from.depth, self.options.seed);
-        let mut vertices = self.vertices(from);
+        let mut stops = Stops { vertices: self.vertices(from), passed: Vec::new() };
         // Vertices that may be transparent, with their keys and random numbers.
         let chance_of = |lane: usize| chances.get(lane).copied();
         let requests = from.keys.iter().enumerate();
@@ -99,7 +135,8 @@ impl BatchTracer<'_> {
         for layer in 0.. {
             let mut beyond = Walks::default();
             for (lane, key, probability) in requests {
-                let Some(vertex) = &mut vertices[lane] else { continue };
+                let before = stops.passed(lane);
+                let Some(vertex) = &mut stops.vertices[lane] else { continue };
                 let coverage = vertex.scattering.coverage;
                 if coverage >= 1.0 {
                     continue;
@@ -110,27 +147,31 @@ impl BatchTracer<'_> {
                     let straight = vertex.point.spawn(-vertex.wo, f32::INFINITY);
                     let carried = (lane, probability.map(|_| next));
                     beyond.push((straight, vertex.cone.straight()), opacity::key_beyond(key), carried);
-                    if let Some(vertex) =
-                        vertices[lane].take_if(|vertex| vertex.scattering.emission != Vec3::ZERO)
+                    let passing = vertex.scattering.passing;
+                    if let Some(mut vertex) =
+                        stops.vertices[lane].take_if(|vertex| vertex.scattering.emission != Vec3::ZERO)
                     {
+                        vertex.scattering.emission *= before;
+                        vertex.shown *= before;
                         passed(lane, vertex);
                     }
+                    stops.tint(lane, passing);
                 } else {
                     vertex.darken();
                 }
             }
             if beyond.is_empty() {
-                return vertices;
+                return stops;
             }
             let Walks { rays, keys, cones, carried, .. } = &beyond;
             self.stats.secondary_rays += rays.len() as u64;
             let hits = self.intersect(RayMask::OTHER, rays, keys, Coherence::Incoherent);
             let found = self.vertices(HitLanes { rays, keys, hits: &hits, cones: cones.as_ref(), depth });
-            carried.iter().zip(found).for_each(|(&(lane, _), found)| vertices[lane] = found);
+            carried.iter().zip(found).for_each(|(&(lane, _), found)| stops.vertices[lane] = found);
             let met = beyond.carried.into_iter().zip(beyond.keys);
             requests = met.map(|((lane, probability), key)| (lane, key, probability)).collect();
         }
-        vertices
+        stops
     }
 }
 

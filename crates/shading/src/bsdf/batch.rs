@@ -66,6 +66,8 @@ pub struct ClosureBatch {
     media: Vec<Medium>,
     /// The points' shares of a hole; empty if there is none.
     held_out: Vec<f32>,
+    /// The factors of light that passes the points; empty if none has another than 1.
+    passing: Vec<Vec3>,
 }
 
 /// Those of [`LobeRows`].
@@ -192,6 +194,7 @@ impl ClosureBatch {
         (self.emits, self.is_partly_transparent) = (false, false);
         self.media.clear();
         self.held_out.clear();
+        self.passing.clear();
         let blocks = n.div_ceil(LANES);
         if self.blocks.len() < blocks {
             self.blocks.resize(blocks, Block::default());
@@ -278,7 +281,8 @@ impl ClosureBatch {
         }
     }
 
-    /// Share of light that point `i` stops, in [0, 1]; the rest goes straight on as if nothing were there.
+    /// Share of paths that point `i` stops, in [0, 1]; the rest goes straight on as if nothing were there, with its light times
+    /// [`passing`](Self::passing).
     #[must_use]
     pub fn coverage(&self, i: usize) -> f32 {
         self.blocks[i / LANES].coverage.0[i % LANES]
@@ -288,6 +292,27 @@ impl ClosureBatch {
     pub fn cover(&mut self, i: usize, share: f32) {
         self.is_partly_transparent |= share < 1.0;
         self.blocks[i / LANES].coverage.0[i % LANES] *= share;
+    }
+
+    /// Multiplies light that passes point `i`. What lobes scatter and what is emitted stays as it is.
+    pub fn tint(&mut self, i: usize, factor: Vec3) {
+        self.is_partly_transparent = true;
+        self.passing.resize(self.len, Vec3::ONE);
+        self.passing[i] *= factor;
+    }
+
+    /// The factor of light that passes point `i`: 1 unless the transparent part has a colour, or stops paths less often than light.
+    #[must_use]
+    pub fn passing(&self, i: usize) -> Vec3 {
+        self.passing.get(i).copied().unwrap_or(Vec3::ONE)
+    }
+
+    /// The share of light that point `i` stops, in [0, 1]: the mean of the channels.
+    #[must_use]
+    pub fn stopped(&self, i: usize) -> f32 {
+        let coverage = self.coverage(i);
+        let Some(passing) = self.passing.get(i) else { return coverage.clamp(0.0, 1.0) };
+        (1.0 - (1.0 - coverage) * passing.element_sum() / 3.0).clamp(0.0, 1.0)
     }
 
     /// The same for a surface that is there in this share only: it emits no more than that either.
@@ -345,7 +370,7 @@ impl ClosureBatch {
         let mut lobes = Lobes::default();
         block.lobes[..block.count as usize].iter().for_each(|rows| lobes.push(rows.get(lane)));
         let bsdf = Bsdf::new(Vec3::new(x.0[lane], y.0[lane], z.0[lane]), lobes).neighbours(self.medium(i));
-        Scattering { bsdf, emission: self.emission(i), coverage: self.coverage(i) }
+        Scattering { bsdf, emission: self.emission(i), coverage: self.coverage(i), passing: self.passing(i) }
     }
 
     /// Kinds of the lobes of point `i` that scatter any light, and the widths of their microfacets' slopes.

@@ -303,6 +303,8 @@ pub struct Scattering {
     pub bsdf: Bsdf,
     /// Radiance that it sends against the ray, whatever share of light it stops.
     pub emission: Vec3,
-    /// Share of light that the surface stops, in [0, 1]; the rest goes straight on as if nothing were there.
+    /// Share of paths that the surface stops, in [0, 1]; the rest goes straight on as if nothing were there.
     pub coverage: f32,
+    /// The factor of light that goes straight on.
+    pub passing: Vec3,
 }

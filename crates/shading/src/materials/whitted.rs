@@ -27,7 +27,7 @@ mod branch {
 }
 
 /// Adds to `out` the radiance that leaves each point against its ray: emitted + coverage * scattered + (1 -
-/// coverage) * radiance straight behind. `closures` is memory.
+/// coverage) * passing * radiance straight behind. `closures` is memory.
 pub fn recursive_radiance(
     tracer: &mut dyn Tracer,
     hits: &SurfaceBatch,
@@ -63,7 +63,7 @@ pub fn recursive_radiance(
             hits,
             i,
             straight,
-            (branch::STRAIGHT, Vec3::splat(1.0 - points[i].coverage)),
+            (branch::STRAIGHT, points[i].passing * (1.0 - points[i].coverage)),
             hits.ray_kind(i),
         );
     }

@@ -225,11 +225,24 @@ fn light_goes_straight_through() {
     let albedo = half.bsdf.albedo(toward()).x * half.coverage;
     assert!((albedo - 0.5).abs() < 1e-5, "what is there scatters as much as the sum says: {albedo}");
     let red = point("Ci = color (0.75, 0.25, 0.25) * transparent ();");
-    assert_eq!(red.coverage, 0.75, "what all channels let through");
-    let [_, straight] = red.bsdf.delta_branches(toward());
-    let straight = straight.expect("the rest goes on as through a pane");
-    assert!((straight.weight * 0.75 - Vec3::new(0.5, 0.0, 0.0)).length() < 1e-4, "{}", straight.weight);
-    assert!((straight.wi + toward()).length() < 1e-5, "unbent");
+    assert_eq!((red.coverage, red.passing), (0.0, Vec3::new(0.75, 0.25, 0.25)), "no path ends there");
+    assert!(red.bsdf.lobes().as_slice().is_empty(), "nothing scatters");
+    let black = point("Ci = 0 * transparent ();");
+    assert_eq!((black.coverage, black.passing), (1.0, Vec3::ONE), "all paths end");
+    for (through, scattered, coverage) in [
+        ([0.5, 0.25, 0.0], 0.5, 0.75),
+        ([1.0, 0.5, 1.0], 0.1, 1.0 / 6.0),
+        ([1.0, 0.95, 1.0], 0.01, 1.0 / 16.0),
+    ] {
+        let [r, g, b] = through;
+        let veil =
+            point(&format!("Ci = color ({r}, {g}, {b}) * transparent () + {scattered} * diffuse (N);"));
+        assert!((veil.coverage - coverage).abs() < 1e-6, "as many paths as light: {}", veil.coverage);
+        let passing = veil.passing * (1.0 - veil.coverage);
+        assert!((passing - Vec3::from(through)).length() < 1e-6, "{through:?}: {passing}");
+        let found = veil.bsdf.albedo(toward()).x * veil.coverage;
+        assert!((found - scattered).abs() < 1e-4, "what is there scatters as much as the sum says: {found}");
+    }
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn points(body: &str) -> [Vec<Scattering>; 2] {
 fn reported(point: &Scattering) -> String {
     let all = point.bsdf.lobes().as_slice().iter().filter(|lobe| lobe.kind != Kind::None);
     let lobes: Vec<_> = all.collect();
-    format!("{:?} {} {} {lobes:?}", point.bsdf.normal(), point.emission, point.coverage)
+    format!("{:?} {} {} {} {lobes:?}", point.bsdf.normal(), point.emission, point.coverage, point.passing)
 }
 
 #[test]
@@ -176,6 +176,7 @@ fn what_differs_from_point_to_point_is_run() {
         "Ci = diffuse (N) + emission ();",
         "Ci = 0.5 * transparent () + 0.5 * uniform_edf (color (0, 1, 2));",
         "if (backfacing ()) Ci = emission ();",
+        "Ci = color (0.5, 0.6, 0.7) * transparent () + diffuse (N);",
     ] {
         assert!(!is_run(body), "the same everywhere: {body}");
     }
@@ -195,7 +196,6 @@ fn what_differs_from_point_to_point_is_run() {
         "printf (\"%g\", 1.0); Ci = diffuse (N);",
         "Ci = diffuse (N) + u * emission ();",
         "if (backfacing ()) Ci = u * emission ();",
-        "Ci = color (0.5, 0.6, 0.7) * transparent () + diffuse (N);",
         "Ci = uniform_edf (color (u)) + transparent ();",
         "Ci = trace (P, N) * diffuse (N);",
         "Ci = subsurface (1, 0, 1, 1);",

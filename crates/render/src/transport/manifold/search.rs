@@ -186,6 +186,7 @@ impl Search {
         {
             self.trace.layers += 1;
             self.trace.key = opacity::key_beyond(self.trace.key);
+            self.trace.light *= closures.passing(k);
             self.trace.ray = points.spawn(k, points.ray_dir.get(k), f32::INFINITY);
             if self.trace.layers > opacity::MOST_LAYERS {
                 self.goes(around, Goes::Lost);
