@@ -26,7 +26,7 @@ pub(super) struct GroupBounds<R: Real> {
 }
 
 impl<R: Real> GroupBounds<R> {
-    /// About the most that the group brings to surfaces at `p`; points without normals are lit from all sides.
+    /// About what the group brings to surfaces at `p`, 0 only where it is dark for sure; points without normals are lit from all sides.
     #[inline(always)]
     pub(super) fn importance(&self, p: Vector<R>, normal: Option<Vector<R>>) -> R {
         let (zero, one, radius2) = (p.x.all(0.0), p.x.all(1.0), self.radius2);
@@ -36,16 +36,21 @@ impl<R: Real> GroupBounds<R> {
         // The cone in which the ball around the box is seen; from within it lies everywhere.
         let cos_size =
             R::pick(distance2.above(radius2), (one - radius2 / distance2).or_more(zero).root(), -one);
-        let from_normal = angle_less(-self.axis.dot(towards), self.cos_normals);
-        let cos_light = angle_less(from_normal, cos_size);
+        let cos_axis = -self.axis.dot(towards);
+        let brightest = angle_less(angle_less(cos_axis, self.cos_normals), cos_size);
         // A little slack, because rounding must not hide grazing lights.
-        let mut dark = (self.cos_emission - zero.all(1e-4)).above(cos_light);
+        let mut dark = (self.cos_emission - zero.all(1e-4)).above(brightest);
+        // Light that leaves along normals alone has no cosine.
+        let mean = mean_cosine(angle_less(cos_axis, cos_size), self.cos_normals);
+        let cos_light = R::pick(self.cos_emission.above(zero), brightest, mean);
         let mut cos_surface = one;
         if let Some(normal) = normal {
-            cos_surface = angle_less(normal.dot(towards), cos_size);
+            let cos = normal.dot(towards);
+            let nearest = angle_less(cos, cos_size);
+            cos_surface = R::pick(cos_size.above(zero), above_horizon(cos, cos_size), nearest);
             // Wholly below the horizon: the box's highest corner is.
             let highest = normal.dot(offset) + normal.abs().dot(self.half);
-            dark = dark | zero.all(-1e-4).above(cos_surface) | !highest.above(zero);
+            dark = dark | zero.all(-1e-4).above(nearest) | !highest.above(zero);
         }
         let least = zero.all(1e-4);
         let estimate =
@@ -54,6 +59,26 @@ impl<R: Real> GroupBounds<R> {
         let at_centre = self.power / radius2.or_more(zero.all(f32::MIN_POSITIVE));
         R::pick(towards.is_finite(), R::pick(dark, zero, estimate), at_centre)
     }
+}
+
+/// About the mean cosine of normals in a cone of half angle `b` to a direction at angle `a` to its axis, those that look away as 0; by the cosines of
+/// both. Exact where the cone has no width, is half of the sphere or all of it.
+#[inline(always)]
+fn mean_cosine<R: Real>(cos_a: R, cos_b: R) -> R {
+    let (zero, half, one) = (cos_a.all(0.0), cos_a.all(0.5), cos_a.all(1.0));
+    // The mean of positive parts is half of that of cosines and that of their sizes.
+    let (mean, narrow) = ((one + cos_b) * half, cos_b.or_more(zero));
+    half * (cos_a * mean + narrow * cos_a.size() + half * (one - narrow))
+}
+
+/// About the cosine by which a ball at angle `a` to the normal lights a surface, the part below the horizon left out; `cos_size` is
+/// that of the angle of its radius.
+#[inline(always)]
+fn above_horizon<R: Real>(cos_a: R, cos_size: R) -> R {
+    let (zero, one) = (cos_a.all(0.0), cos_a.all(1.0));
+    let sin_size = (one - cos_size * cos_size).or_more(zero).root();
+    let part = (cos_a + sin_size).or_more(zero);
+    R::pick(cos_a.above(sin_size), cos_a, part * part / (sin_size * zero.all(4.0)))
 }
 
 /// Cosine of angle `a` less angle `b`, at least zero; both by their cosines.
@@ -165,6 +190,36 @@ impl<R: Real> Aim<R> {
             dir: Vector::pick(mask, self.dir, other.dir),
             dist: R::pick(mask, self.dist, other.dist),
             density: R::pick(mask, self.density, other.density),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Beside sums over normals that are even over a cone, and over points of a ball.
+    #[test]
+    fn means_are_near_those_of_cones_and_balls() {
+        let even = |n: u32| (0..n).map(move |i| (i as f32 + 0.5) / n as f32);
+        for (cos_cone, slack) in
+            [(1.0_f32, 1e-4), (0.8, 0.05), (0.4, 0.05), (0.0, 1e-3), (-0.5, 0.05), (-1.0, 1e-3)]
+        {
+            for angle in even(16).map(|x| x * std::f32::consts::PI) {
+                let (sin_a, cos_a) = angle.sin_cos();
+                let mut sum = 0.0;
+                for (u, v) in even(64).flat_map(|u| even(64).map(move |v| (u, v))) {
+                    let z = 1.0 - u * (1.0 - cos_cone);
+                    let x = (1.0 - z * z).max(0.0).sqrt() * (v * std::f32::consts::TAU).cos();
+                    sum += (x * sin_a + z * cos_a).max(0.0) / 4096.0;
+                }
+                let found = mean_cosine(cos_a, cos_cone);
+                assert!((found - sum).abs() < slack, "{cos_cone} at {angle}: {found}, not {sum}");
+            }
+        }
+        for (cos, expected) in [(0.9, 0.9), (0.6, 0.6), (0.0, 0.15), (-0.59, 0.0), (-0.9, 0.0)] {
+            let found = above_horizon(cos, 0.8_f32);
+            assert!((found - expected).abs() < 1e-3, "{cos}: {found}, not {expected}");
         }
     }
 }

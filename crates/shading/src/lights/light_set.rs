@@ -298,7 +298,8 @@ fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
         axis: light.cone.map_or(Vec3::Z, |cone| cone.axis),
         cos_normals: light.cone.map_or(-1.0, |_| 1.0),
         cos_emission: light.cone.map_or(0.0, |cone| cone.cos_outer),
-        power: luminance(light.intensity.into()),
+        // The mean cosine of all normals is a quarter.
+        power: luminance(light.intensity.into()) * light.cone.map_or(4.0, |_| 1.0),
     });
     shapes.chain(points).map(Some).collect()
 }

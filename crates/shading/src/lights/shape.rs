@@ -154,15 +154,16 @@ impl Shape {
     pub(super) fn bounds(&self, beam: Option<&Beam>) -> LightBounds {
         let Self { p: [a, b, c], normal, extent, power } = *self;
         // Spheres face all sides.
-        let (size, axis, cos_normals) =
-            if extent < 0.0 { (-extent, Vec3::Z, -1.0) } else { (0.0, normal, 1.0) };
+        let is_sphere = extent < 0.0;
+        let (size, axis, cos_normals) = if is_sphere { (-extent, Vec3::Z, -1.0) } else { (0.0, normal, 1.0) };
         let bounds = LightBounds {
             min: a.min(b).min(c) - size,
             max: a.max(b).max(c) + size,
             axis,
             cos_normals,
             cos_emission: 0.0,
-            power,
+            // The mean cosine of all normals is a quarter.
+            power: if is_sphere { 4.0 * power } else { power },
         };
         // As if all its light left along normals within the cone.
         beam.map_or(bounds, |beam| {
