@@ -24,14 +24,18 @@ impl LightSet {
         u: [Floats<S>; 3],
     ) -> LightSampleX16<S> {
         let [facing, around] = [active & !from_all_sides, active & from_all_sides];
-        if !around.any_true() {
-            return self.sample_lanes(group, facing, (p, Some(ns)), u);
+        // Each kind at one place: copies of the walk are large.
+        let mut of_all_sides = None;
+        if around.any_true() {
+            of_all_sides = Some(self.sample_lanes(group, around, (p, None), u));
         }
-        let of_all_sides = self.sample_lanes(group, around, (p, None), u);
-        if !facing.any_true() {
-            return of_all_sides;
+        match of_all_sides {
+            Some(around) if !facing.any_true() => around,
+            around => {
+                let found = self.sample_lanes(group, facing, (p, Some(ns)), u);
+                around.map_or(found, |around| found.or(facing, around))
+            }
         }
-        self.sample_lanes(group, facing, (p, Some(ns)), u).or(facing, of_all_sides)
     }
 
     /// The same for lanes that face their unit normals, or that request all sides.
@@ -45,35 +49,35 @@ impl LightSet {
     ) -> LightSampleX16<S> {
         let simd = u[0].token();
         let normal = |i: usize| ns.map_or(Vec3::ZERO, |ns| ns.get(i));
-        match &self.near.lanes {
-            // One group: its choice takes nothing of the number.
-            Some(lanes) if self.group_count() == 1 || group == Some(0) => {
-                lanes.sample(&self.parts, active, (p, ns), u, f32x16::splat(simd, 1.0))
-            }
-            Some(lanes) if group.is_none() => {
-                let (mut rest, mut lane_probability, mut near, mut far) =
-                    (u[0], u[0], 0, LightSampleX16::none(f32x16::splat(simd, 0.0)));
-                for i in LanesOf(active.to_bitmask()) {
-                    let Some(group) = self.choose_group(p.get(i), normal(i), u[0][i]) else { continue };
-                    if group.index == 0 {
-                        near |= 1 << i;
-                        (rest[i], lane_probability[i]) = (group.rest, group.probability);
-                    } else {
-                        let uv = [u[1][i], u[2][i]];
-                        let sample = self.sample_far(group.index - 1, normal(i), uv, group.probability);
-                        far.put(i, sample.filter(is_sound));
-                    }
-                }
-                let near = Mask::from_bitmask(simd, near);
-                lanes.sample(&self.parts, near, (p, ns), [rest, u[1], u[2]], lane_probability).or(near, far)
-            }
+        let (mut rest, mut lane_probability) = (u[0], f32x16::splat(simd, 1.0));
+        let mut others = LightSampleX16::none(f32x16::splat(simd, 0.0));
+        let lanes = match &self.near.lanes {
+            Some(lanes) if group.is_none_or(|group| group == 0) => lanes,
             _ => {
-                let mut out = LightSampleX16::none(f32x16::splat(simd, 0.0));
                 for i in LanesOf(active.to_bitmask()) {
-                    out.put(i, self.sample_among(group, p.get(i), normal(i), [u[0][i], u[1][i], u[2][i]]));
+                    let u = [u[0][i], u[1][i], u[2][i]];
+                    others.put(i, self.sample_among(group, p.get(i), normal(i), u));
                 }
-                out
+                return others;
             }
+        };
+        // Lanes that chose the tree; one group is chosen without taking anything of the number.
+        let mut near = active;
+        if group.is_none() && self.group_count() > 1 {
+            let mut bits = 0;
+            for i in LanesOf(active.to_bitmask()) {
+                let Some(group) = self.choose_group(p.get(i), normal(i), u[0][i]) else { continue };
+                if group.index == 0 {
+                    bits |= 1 << i;
+                    (rest[i], lane_probability[i]) = (group.rest, group.probability);
+                } else {
+                    let uv = [u[1][i], u[2][i]];
+                    let sample = self.sample_far(group.index - 1, normal(i), uv, group.probability);
+                    others.put(i, sample.filter(is_sound));
+                }
+            }
+            near = Mask::from_bitmask(simd, bits);
         }
+        lanes.sample(&self.parts, near, (p, ns), [rest, u[1], u[2]], lane_probability).or(near, others)
     }
 }
