@@ -49,6 +49,31 @@ fn voxels_are_those_of_openvdb() {
     assert!(compared > 450, "{compared}");
 }
 
+/// Rows against single voxels: through leaves, tiles and the background, across the edges of nodes and the last number.
+#[test]
+fn rows_have_the_values_of_voxels() {
+    let volume = Volume::decode(&grids(), ENOUGH).unwrap();
+    let (mut runs, mut leaves, mut voxels) = (0, 0, 0);
+    for grid in volume.grids() {
+        let [first, last] = grid.active().unwrap();
+        let corners = [first, last].into_iter().chain([[-4100, 0, 0], [i32::MAX - 9, 3, -5]]);
+        for at in corners.flat_map(|[x, y, z]| [[x - 3, y, z], [x - 21, y - 1, z + 1], [x - 130, y, z - 2]]) {
+            for count in [0, 1, 7, 300, 8200] {
+                let mut found = Vec::new();
+                grid.row(at, count, |value, run| {
+                    assert!(run > 0, "{} {at:?}", grid.name());
+                    (runs, leaves) = (runs + 1, leaves + usize::from(run == 1));
+                    found.extend(std::iter::repeat_n(value, run));
+                });
+                let one = |i: usize| grid.voxel([at[0].wrapping_add(i as i32), at[1], at[2]]);
+                assert!(found.into_iter().eq((0..count).map(one)), "{} {at:?} {count}", grid.name());
+                voxels += count;
+            }
+        }
+    }
+    assert!(leaves > 300 && 20 * runs < voxels, "{leaves} single voxels, {runs} runs, {voxels} voxels");
+}
+
 #[test]
 fn maps_take_the_world_to_voxels() {
     let volume = Volume::decode(&grids(), ENOUGH).unwrap();

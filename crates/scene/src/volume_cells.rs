@@ -58,7 +58,10 @@ impl VolumeCells {
         let Some(active) = grid.active() else { return Ok(None) };
         let place = Place::new(active)?;
         let mut values = place.room(grid.channels())?;
-        place.each(|at| values.extend_from_slice(&grid.voxel(at)[..grid.channels()]));
+        place.rows(grid, |value, count| match grid.channels() {
+            1 => values.resize(values.len() + count, value[0]),
+            channels => (0..count).for_each(|_| values.extend_from_slice(&value[..channels])),
+        });
         let (size, world_from_unit) = (place.size.map(|n| n as u32), place.world_from_unit(grid));
         let (name, channels) = (grid.name().to_owned(), grid.channels());
         Ok(Some(Self { name, size, channels, values, world_from_unit }))
@@ -120,6 +123,16 @@ impl Place {
                 for x in 0..self.size[0] {
                     visit(std::array::from_fn(|k| (self.low[k] + [x, y, z][k] as i64) as i32));
                 }
+            }
+        }
+    }
+
+    /// Visits the values of its voxels in a grid in the same order, and how many voxels in turn have each.
+    fn rows(&self, grid: &Grid, mut visit: impl FnMut([f32; 3], usize)) {
+        for z in 0..self.size[2] {
+            for y in 0..self.size[1] {
+                let first = std::array::from_fn(|k| (self.low[k] + [0, y, z][k] as i64) as i32);
+                grid.row(first, self.size[0] as usize, &mut visit);
             }
         }
     }
@@ -193,19 +206,19 @@ pub fn density_grid(
     };
     let glow = glow.map(|glow| (glow.channels(), reader(glow)));
     let heat = heat.map(|heat| (reader(heat.grid), heat.emission));
+    place.rows(grid, |value, count| density.resize(density.len() + count, sound(value[0])));
     let mut hottest = 0.0_f32;
-    place.each(|at| {
-        density.push(sound(grid.voxel(at)[0]));
-        if has_emission {
+    if has_emission {
+        place.each(|at| {
             emission.push(glow.as_ref().map_or([1.0; 3], |(channels, glow)| {
                 let value = glow(at);
                 if *channels == 1 { [value[0]; 3] } else { value }
             }));
-        }
-        if let Some((heat, _)) = &heat {
-            hottest = hottest.max(heat(at)[0]);
-        }
-    });
+            if let Some((heat, _)) = &heat {
+                hottest = hottest.max(heat(at)[0]);
+            }
+        });
+    }
     if let Some((heat, of_number)) = heat {
         let emissions = Emissions::upto(hottest, of_number);
         let mut cells = emission.iter_mut();

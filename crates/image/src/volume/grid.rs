@@ -76,6 +76,13 @@ impl Grid {
         self.tree.get(at)
     }
 
+    /// Visits `count` voxels along x: values as of [`voxel`](Self::voxel), and how many voxels in turn have each. Blocks
+    /// that were stored as one value take one visit.
+    #[inline]
+    pub fn row(&self, first: [i32; 3], count: usize, visit: impl FnMut([f32; 3], usize)) {
+        self.tree.row(first, count, visit);
+    }
+
     /// The first and the last active voxel along each axis; none where no voxel is active.
     #[must_use]
     pub fn active(&self) -> Option<[[i32; 3]; 2]> {

@@ -156,20 +156,53 @@ impl Tree {
 
     /// The value of a voxel.
     pub(super) fn get(&self, voxel: [i32; 3]) -> Value {
-        let upper = match self.top.get(&aligned(voxel, UPPER)) {
-            None => return self.background,
-            Some(Top::Value(value)) => return *value,
-            Some(Top::Node(number)) => &self.upper[*number as usize],
-        };
+        match self.top(voxel) {
+            Ok(upper) => self.below(upper, voxel).0,
+            Err(value) => value,
+        }
+    }
+
+    /// Visits a row of voxels along x: values, and how many voxels in turn have each.
+    pub(super) fn row(&self, [mut x, y, z]: [i32; 3], mut count: usize, mut visit: impl FnMut(Value, usize)) {
+        // Voxels from x on to the end of an edge of 2^`log`.
+        let to_end = |x: i32, log: u32| ((1 << log) - (x & ((1 << log) - 1))) as usize;
+        while count > 0 {
+            let top = self.top([x, y, z]);
+            let end = count - to_end(x, UPPER).min(count);
+            while count > end {
+                let (value, log) = match top {
+                    Ok(upper) => self.below(upper, [x, y, z]),
+                    Err(value) => (value, UPPER),
+                };
+                let run = to_end(x, log).min(count - end);
+                visit(value, run);
+                x = x.wrapping_add(run as i32);
+                count -= run;
+            }
+        }
+    }
+
+    /// The upper node that contains a voxel, or the one value of its position.
+    fn top(&self, voxel: [i32; 3]) -> Result<&Node, Value> {
+        match self.top.get(&aligned(voxel, UPPER)) {
+            None => Err(self.background),
+            Some(Top::Value(value)) => Err(*value),
+            Some(Top::Node(number)) => Ok(&self.upper[*number as usize]),
+        }
+    }
+
+    /// The value of a voxel in an upper node, and the binary logarithm of the edge of the block that has it.
+    fn below(&self, upper: &Node, voxel: [i32; 3]) -> (Value, u32) {
         let at = child_index(voxel, UPPER, LOWER);
         if upper.children[at] == NO_CHILD {
-            return upper.values.get(at, self.channels);
+            return (upper.values.get(at, self.channels), LOWER);
         }
         let lower = &self.lower[upper.children[at] as usize];
         let at = child_index(voxel, LOWER, LEAF);
         if lower.children[at] == NO_CHILD {
-            return lower.values.get(at, self.channels);
+            return (lower.values.get(at, self.channels), LEAF);
         }
-        self.leaves[lower.children[at] as usize].get(child_index(voxel, LEAF, 0), self.channels)
+        let leaf = &self.leaves[lower.children[at] as usize];
+        (leaf.get(child_index(voxel, LEAF, 0), self.channels), 0)
     }
 }
