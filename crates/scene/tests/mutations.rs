@@ -27,6 +27,8 @@ fn mutate(name: &str, bytes: &[u8]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
     let attempt = |bytes: &[u8]| {
+        // Anew: file systems write an overwritten file to the disk at once, in milliseconds.
+        let _ = std::fs::remove_file(&path);
         std::fs::write(&path, bytes).expect("a file");
         match crate::common::load(&path) {
             Ok(loaded) => loaded.scene.check().unwrap_or_else(|e| panic!("{name}: {e}")),
