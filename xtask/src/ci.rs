@@ -95,8 +95,12 @@ fn check_for_other_machines() -> Result<(), Failure> {
     command::run(&mut check)
 }
 
-/// Renders the picture of the README's first command, by the program that the tests have built: a second
-/// build of everything, for release, would take a quarter of the time of all checks.
+/// Options of a small picture.
+const SMALL: [&str; 2] = ["--resolution", "320x180"];
+
+/// Renders the picture of the README's first command, by the program that the tests have built and in a small size: a
+/// second build of everything, for release, would take a quarter of the time of all checks, and a whole picture without it
+/// a minute.
 fn first_picture(readme_commands: &readme::ReadmeCommands) -> Result<(), Failure> {
     let picture = command::root().join(&readme_commands.picture);
     // One left by an earlier run would prove nothing.
@@ -105,7 +109,8 @@ fn first_picture(readme_commands: &readme::ReadmeCommands) -> Result<(), Failure
     }
     let program = Workspace::load()?.target.join("debug/gnurt");
     let tokens = readme_commands.first.iter().skip_while(|token| *token != "--").skip(1);
-    command::run(Command::new(program).args(tokens).current_dir(command::root()))?;
+    let mut render = Command::new(program);
+    command::run(render.args(tokens).args(SMALL).current_dir(command::root()))?;
     match std::fs::metadata(&picture) {
         Ok(file) if file.len() > 0 => Ok(()),
         _ => Err(format!("'{}' made no picture {}", readme_commands.first.join(" "), picture.display())),
