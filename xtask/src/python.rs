@@ -57,6 +57,12 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     )
 }
 
+/// Installs the packages for the tests; the tests do so as well.
+pub(crate) fn prepare() -> Result<(), Failure> {
+    environment_with_packages(&Workspace::load()?.target.join("python"));
+    Ok(())
+}
+
 /// Checks the copyright and licence of every file by the tool `reuse`, by REUSE.toml. Where pip cannot
 /// install it, that is reported and skipped.
 pub(crate) fn lint_licences() -> Result<(), Failure> {

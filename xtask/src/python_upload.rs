@@ -11,6 +11,12 @@ use crate::workspace::Workspace;
 
 const TOOLS: [&str; 2] = ["maturin>=1.14,<2", "twine>=6,<8"];
 
+/// Installs the tools; [`check`] does so as well.
+pub(crate) fn prepare() -> Result<(), Failure> {
+    tools(&Workspace::load()?.target);
+    Ok(())
+}
+
 /// Packs the sources, compiles nothing, and checks them and the wheels that are there as PyPI does. Where pip cannot install the tools, that is
 /// reported and skipped.
 pub(crate) fn check() -> Result<(), Failure> {
