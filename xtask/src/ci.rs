@@ -118,9 +118,8 @@ fn check_for_other_machines() -> Result<(), Failure> {
 /// Options of a small picture.
 const SMALL: [&str; 2] = ["--resolution", "320x180"];
 
-/// Renders the picture of the README's first command, by the program that the tests have built and in a small size: a
-/// second build of everything, for release, would take a quarter of the time of all checks, and a whole picture without it
-/// a minute.
+/// Renders the picture of the README's first command, by the program that the tests have built. A second build of everything,
+/// for release, would take a quarter of the time of all checks; a picture of full size without it takes a minute.
 fn first_picture(readme_commands: &readme::ReadmeCommands) -> Result<(), Failure> {
     let picture = command::root().join(&readme_commands.picture);
     // One left by an earlier run would prove nothing.

@@ -29,7 +29,7 @@ fn broken_streams_cost_little() {
     let path = folder.path().join("t.glb");
     let (mut worst, mut refused) = (0, 0);
     let mut attempt = |bytes: &[u8]| {
-        // Anew: file systems write an overwritten file to the disk at once, in milliseconds.
+        // A new file: file systems write an overwritten one to the disk at once, in milliseconds.
         let _ = std::fs::remove_file(&path);
         std::fs::write(&path, bytes).expect("a file");
         ALLOCATIONS.reset_peak_usage();

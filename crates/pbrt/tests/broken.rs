@@ -81,7 +81,7 @@ fn mutations_end() {
     for at in (0..bytes.len()).step_by(3) {
         for with in [&b""[..], b"[", b"\"", b"9999999999", b"-", b"\xff"] {
             let mutated = [&bytes[..at], with, &bytes[at + 1..]].concat();
-            // Anew: file systems write an overwritten file to the disk at once, in milliseconds.
+            // A new file: file systems write an overwritten one to the disk at once, in milliseconds.
             let _ = std::fs::remove_file(&path);
             std::fs::write(&path, mutated).expect("a file");
             if let Err(error) = load(&path) {

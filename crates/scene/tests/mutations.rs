@@ -27,7 +27,7 @@ fn mutate(name: &str, bytes: &[u8]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
     let attempt = |bytes: &[u8]| {
-        // Anew: file systems write an overwritten file to the disk at once, in milliseconds.
+        // A new file: file systems write an overwritten one to the disk at once, in milliseconds.
         let _ = std::fs::remove_file(&path);
         std::fs::write(&path, bytes).expect("a file");
         match crate::common::load(&path) {
