@@ -242,7 +242,7 @@ class Lamp:
         self.shape(partial(self.export.scene.add_points, [(0, 0, 0)], [radius], transform=place), light, self.spot(), is_sampled)
 
     def disc_to_all(self, power, where, radius):
-        """A light that is a disc facing whoever sees it, as a point or spot of Blender is."""
+        """A light that is a disc facing the lit point, as a point or spot of Blender is."""
         data = self.data
         given = {"position": tuple(where), "intensity": tuple(power), "radius": radius}
         if data.type == "SPOT":

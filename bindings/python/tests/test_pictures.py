@@ -159,6 +159,8 @@ def test_meshes_of_others():
         (lambda s: s.add_material(kind="mirror", metallic=1), TypeError, "metallic: unknown argument"),
         (lambda s: s.add_light("sun"), ValueError, "kind: .*directional"),
         (lambda s: s.add_light("point"), ValueError, "position: a point light needs one"),
+        (lambda s: s.add_light("spot", position=(0, 0, 1), direction=(0, 0, -1), edge="round"), ValueError, "edge: .*smooth"),
+        (lambda s: s.add_light("point", position=(0, 0, 1), radius=-1), ValueError, "radius"),
         (lambda s: s.add_light("environment", sky="night"), ValueError, "sky: .*evening"),
         (lambda s: s.add_light("environment", picture="nowhere.hdr"), OSError, "nowhere.hdr"),
         (lambda s: s.update(5), IndexError, "instance: 5 is out of range"),

@@ -45,7 +45,7 @@ fn plane_mirrors_show_lamps_once_more() {
         let mirror = mirror(&mut scene);
         put_mesh(&mut scene, quad([2.0, -20.0, 0.0], [0.0, 0.0, 20.0], [0.0, 40.0, 0.0], mirror));
         let lit = |x: f64| 7.0 * 1.5 / (x * x + 0.25 + 2.25).powf(1.5);
-        // A disc that faces who sees it: the floor, or the mirror a third of the way from the lamp.
+        // A disc that faces the lit point: the floor, or the mirror a third of the way from the lamp.
         let radius = 0.4_f32;
         let square = f64::from(radius * radius);
         let wide = |x: f64, by: f64| lit(x) * (x * x + 2.5) / (x * x + 2.5 + by * by * square);

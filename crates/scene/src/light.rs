@@ -42,7 +42,7 @@ pub enum Light {
         position: [f32; 3],
         /// Radiant intensity, W·sr⁻¹ per channel.
         intensity: [f32; 3],
-        /// Of a disc around the position from which its light comes, and which faces whoever sees it, world units: 0 = a point. It
+        /// Of a disc around the position from which its light comes, and which faces the lit point, world units: 0 = a point. It
         /// lights surfaces and media; no ray sees it.
         radius: f32,
     },

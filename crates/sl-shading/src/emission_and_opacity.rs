@@ -43,7 +43,7 @@ impl EmissionAndOpacity {
         let through = lights.through.get(lane).clamp(Vec3::ZERO, Vec3::ONE);
         let held_out = lights.holdout.get(lane).element_sum() / 3.0;
         let mean = through.element_sum() / 3.0;
-        // Where nothing else can happen, all paths go on, with less light; elsewhere as many as light does.
+        // Where nothing else can happen, all paths go on, with less light; elsewhere the same share of them as of light.
         let is_clear = through.max_element() >= LEAST;
         let there = if !is_clear {
             1.0

@@ -323,8 +323,9 @@ class Scene(_Scene):
     def add_light(self, kind, **properties):
         """The number of a new light.
 
-        "point" (position, intensity, radius of a disc that faces who sees it), "spot" (and direction, inner_angle, outer_angle,
-        edge="squared" or "smooth"), "directional" (direction, irradiance, angle of its disc),
+        "point" (position, intensity, radius), "spot" (and direction, inner_angle, outer_angle, edge="squared" or "smooth"),
+        "directional" (direction, irradiance, angle of its disc).
+        With a radius, light comes from a disc that faces the lit point.
         "environment" (radiance, or picture=FILE, texture=NUMBER, sky="day", "evening", "overcast", or shader=, parameters=, textures=;
         turn, up). Angles are in degrees.
         """

@@ -261,7 +261,6 @@ fn split_radiance_only(
 }
 
 /// Where walks lead.
-#[derive(Default)]
 struct Ends {
     stops: Stops,
     /// Emitting surfaces that they pass on the way, with the number of the walk.
@@ -286,8 +285,7 @@ fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Ends {
     if walks.carried.iter().all(|walk| walk.is_directly_visible == first_is_seen) {
         return meet(tracer, walks, first_is_seen, depth);
     }
-    let mut ends = Ends::default();
-    ends.stops = Stops::none(walks.carried.len());
+    let mut ends = Ends { stops: Stops::none(walks.carried.len()), passed: Vec::new() };
     for is_directly_visible in [true, false] {
         let mut some = Walks::default();
         for (i, walk) in walks

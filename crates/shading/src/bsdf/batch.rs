@@ -294,7 +294,7 @@ impl ClosureBatch {
         self.blocks[i / LANES].coverage.0[i % LANES] *= share;
     }
 
-    /// Multiplies light that passes point `i`. What lobes scatter and what is emitted stays as it is.
+    /// Multiplies light that passes point `i`. Its lobes and its emission stay as they are.
     pub fn tint(&mut self, i: usize, factor: Vec3) {
         self.is_partly_transparent = true;
         self.passing.resize(self.len, Vec3::ONE);

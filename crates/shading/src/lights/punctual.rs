@@ -17,7 +17,7 @@ use crate::shader::{LightBatch, LightShader};
 /// Least cosine to the axis of a wide disc, for its outermost points stand for very much light.
 const LEAST_COSINE: f32 = 1e-2;
 
-/// From a point, to all sides or into a cone. With a radius its light comes from a disc around that point, which faces whoever sees it.
+/// From a point, to all sides or into a cone. With a radius its light comes from a disc around that point, which faces the lit one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointLight {
     /// World space.
@@ -163,8 +163,8 @@ impl PointLight {
     }
 
     /// A ray of its light along `dir` by two numbers in [0, 1): where it passes the light nearest, and how far from there it begins.
-    /// A place sees a disc which faces it, so that from near it misses rays that pass far from the middle: the place at the distance D on
-    /// the ray that passes at b is on it if D b <= r √(D² - b²).
+    /// A disc that faces a near place sends it no ray that passes far from the middle. Where b is the distance at which a ray passes, it
+    /// reaches places at distances D with D b <= r √(D² - b²).
     pub(super) fn ray_along(&self, dir: Vec3, u: [f32; 2]) -> (Vec3, f32) {
         if self.radius <= 0.0 {
             return (self.position, 0.0);
@@ -175,8 +175,8 @@ impl PointLight {
         (self.position + Basis::around(dir).to_world(on_disc.extend(0.0)), begin)
     }
 
-    /// A point of a ball around it by two numbers in [0, 1), so that from afar the points are spread evenly over a disc wherever that is
-    /// seen from: three coordinates of a point on the unit sphere of four dimensions, by Archimedes' theorem.
+    /// A point of a ball around it by two numbers in [0, 1). Seen from afar, from any side, such points are spread evenly over a disc:
+    /// they are three coordinates of points on the unit sphere of four dimensions, by Archimedes' theorem.
     pub(super) fn any_point(&self, u: [f32; 2]) -> Vec3 {
         if self.radius <= 0.0 {
             return self.position;
@@ -288,8 +288,8 @@ mod tests {
         assert!(Cone::new(Vec3::ZERO, 0.3, 0.6, ConeEdge::Squared).is_none(), "it must point somewhere");
     }
 
-    /// Light on surfaces that face the light, beside the closed form of a disc, by its own points, by those of the ball, and by its
-    /// rays, counted where they meet a small patch; and estimates that are above zero where there is light.
+    /// Light on surfaces that face the light, beside the closed form of a disc: by its own points, by those of the ball, by its rays.
+    /// Estimates are above zero where there is light.
     #[test]
     fn discs_face_who_sees_them() {
         const N: u32 = 128;
