@@ -78,7 +78,8 @@ fn above_horizon<R: Real>(cos_a: R, cos_size: R) -> R {
     let (zero, one) = (cos_a.all(0.0), cos_a.all(1.0));
     let sin_size = (one - cos_size * cos_size).or_more(zero).root();
     let part = (cos_a + sin_size).or_more(zero);
-    R::pick(cos_a.above(sin_size), cos_a, part * part / (sin_size * zero.all(4.0)))
+    let partly = part * part / (sin_size * zero.all(4.0)).or_more(zero.all(f32::MIN_POSITIVE));
+    R::pick(cos_a.above(sin_size), cos_a, partly)
 }
 
 /// Cosine of angle `a` less angle `b`, at least zero; both by their cosines.

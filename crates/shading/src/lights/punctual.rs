@@ -148,7 +148,7 @@ impl PointLight {
         brightness * self.cone.map_or(1.0, |cone| cone.falloff(nearest)) * cos / across2
     }
 
-    /// Share of all directions into which it shines.
+    /// The solid angle into which it shines.
     pub(super) fn solid_angle(&self) -> f32 {
         self.cone.map_or(2.0 * TAU, |cone| TAU * (1.0 - cone.cos_outer).max(f32::MIN_POSITIVE))
     }
@@ -232,7 +232,9 @@ impl DirectionalLight {
 
 impl LightShader for PointLight {
     fn illuminate(&self, p: &Vec3s, _normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
-        for (i, &random) in random.iter().enumerate().take(p.len()) {
+        for i in 0..p.len() {
+            // Only discs need the numbers.
+            let random = random.get(i).copied().unwrap_or([0.5; 2]);
             if let Some(seen) = self.seen_from(p.get(i), random) {
                 out.dir.set(i, seen.dir);
                 out.dist[i] = seen.dist;
