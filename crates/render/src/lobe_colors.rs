@@ -110,7 +110,7 @@ fn gather(
         shader.evaluate_traced(tracer, points, &mut closures);
         to.add_outputs(shader, points, |k| {
             let (pixel, share) = of(lanes[k] as usize);
-            (pixel, share * closures.coverage(k))
+            (pixel, share * closures.stopped(k))
         });
         for (k, &lane) in lanes.iter().enumerate() {
             let (pixel, share) = of(lane as usize);

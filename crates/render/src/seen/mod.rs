@@ -266,7 +266,7 @@ impl TileSeen {
                     }
                 }
                 here.weight *= coverage;
-                here.share *= coverage;
+                here.share *= closures.stopped(k);
                 let mut own = (albedo.get(k), 1.0);
                 if !before.is_exact {
                     // Lamps are white.

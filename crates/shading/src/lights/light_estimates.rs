@@ -47,7 +47,8 @@ impl<R: Real> GroupBounds<R> {
         if let Some(normal) = normal {
             let cos = normal.dot(towards);
             let nearest = angle_less(cos, cos_size);
-            cos_surface = R::pick(cos_size.above(zero), above_horizon(cos, cos_size), nearest);
+            let sin_size = (one - cos_size * cos_size).or_more(zero).root();
+            cos_surface = R::pick(cos_size.above(zero), above_horizon(cos, sin_size), nearest);
             // Wholly below the horizon: the box's highest corner is.
             let highest = normal.dot(offset) + normal.abs().dot(self.half);
             dark = dark | zero.all(-1e-4).above(nearest) | !highest.above(zero);
@@ -71,12 +72,11 @@ fn mean_cosine<R: Real>(cos_a: R, cos_b: R) -> R {
     half * (cos_a * mean + narrow * cos_a.size() + half * (one - narrow))
 }
 
-/// About the cosine by which a ball at angle `a` to the normal lights a surface, the part below the horizon left out; `cos_size` is
-/// that of the angle of its radius.
+/// About the cosine by which a ball at angle `a` to the normal lights a surface, the part below the horizon left out; `sin_size` is
+/// the sine of the angle of its radius.
 #[inline(always)]
-fn above_horizon<R: Real>(cos_a: R, cos_size: R) -> R {
-    let (zero, one) = (cos_a.all(0.0), cos_a.all(1.0));
-    let sin_size = (one - cos_size * cos_size).or_more(zero).root();
+pub(super) fn above_horizon<R: Real>(cos_a: R, sin_size: R) -> R {
+    let zero = cos_a.all(0.0);
     let part = (cos_a + sin_size).or_more(zero);
     let partly = part * part / (sin_size * zero.all(4.0)).or_more(zero.all(f32::MIN_POSITIVE));
     R::pick(cos_a.above(sin_size), cos_a, partly)
@@ -219,7 +219,7 @@ mod tests {
             }
         }
         for (cos, expected) in [(0.9, 0.9), (0.6, 0.6), (0.0, 0.15), (-0.59, 0.0), (-0.9, 0.0)] {
-            let found = above_horizon(cos, 0.8_f32);
+            let found = above_horizon(cos, 0.6_f32);
             assert!((found - expected).abs() < 1e-3, "{cos}: {found}, not {expected}");
         }
     }

@@ -9,6 +9,7 @@ use std::f32::consts::TAU;
 use glam::{Vec2, Vec3};
 use gnurt_image::srgb::luminance;
 
+use super::light_estimates::above_horizon;
 use crate::batch::Vec3s;
 use crate::sampling::warp::concentric_disk;
 use crate::sampling::{Basis, uniform_sphere};
@@ -139,13 +140,12 @@ impl PointLight {
         // Sine and cosine of the angle of its radius.
         let across2 = distance2 + self.radius * self.radius;
         let (sin, straight) = (self.radius / across2.sqrt(), (distance2 / across2).sqrt());
-        let cos = if cos >= sin { cos } else { (cos + sin).max(0.0).powi(2) / (4.0 * sin) };
         let nearest = if along >= straight {
             1.0
         } else {
             along * straight + (1.0 - along * along).max(0.0).sqrt() * sin
         };
-        brightness * self.cone.map_or(1.0, |cone| cone.falloff(nearest)) * cos / across2
+        brightness * self.cone.map_or(1.0, |cone| cone.falloff(nearest)) * above_horizon(cos, sin) / across2
     }
 
     /// The solid angle into which it shines.
