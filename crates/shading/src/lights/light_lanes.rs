@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Choosing lights for sixteen points at once: the walks of `light_tree` side by side, the shapes of a leaf side by side.
-//! Source: as `light_tree` and `area`; the layout is original. Space: world.
-//! A node, and a shape, is a row of sixteen floats: sixteen points at different ones read sixteen rows and
+//! Choosing lights for sixteen points at once: the walks of `light_tree` side by side, the lights of a leaf side by side.
+//! Source: as `light_tree`, `area` and `disc`; the layout is original. Space: world.
+//! A node, and a light, is a row of sixteen floats: sixteen points at different ones read sixteen rows and
 //! transpose them to columns, so that each costs a load and some shuffles. Two leaves with one parent are a
-//! block of sixteen shapes.
+//! block of sixteen lights.
 //! Invariant: the samples of [`LightSet::sample`](super::LightSet::sample), bit for bit.
 //! Tests: `light_set_tests::lanes_choose_as_points_do`.
 
@@ -14,10 +14,11 @@ use std::sync::Arc;
 
 use super::area::EmitterPoint;
 use super::beam::Beam;
+use super::disc::{self, DiscAt, Seen};
 use super::light_estimates::{Aim, GroupBounds};
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
-use super::shape::{Shape, ShapeAt};
+use super::shape::ShapeAt;
 use crate::lanes::{Floats, LANES, LanesOf, Mask, UInts, Vec3x16, transpose};
 use crate::real::{Real, Vector};
 use crate::sampling::distribution::ALMOST_ONE;
@@ -69,12 +70,15 @@ impl From<Option<LightSample>> for LightSamples<f32> {
 #[repr(align(64))]
 struct Row([f32; LANES]);
 
-/// The shapes of two leaves that have one parent, or of one leaf and nothing.
+/// The lights of two leaves that have one parent, or of one leaf and nothing.
 #[derive(Clone, Debug)]
 struct Block {
-    /// Three corners, normal, extent, power; zero where there is no shape.
-    shape: [Row; 14],
+    /// Thirteen numbers of a light as its row in [`LightLanes`] has them, and its power; zero where there is none.
+    columns: [Row; 14],
     lights: [u32; LANES],
+    /// Bits of those that are points, and of those that are shapes.
+    points: u64,
+    shapes: u64,
 }
 
 /// The last entry of a node's row: the kind of the next step.
@@ -84,15 +88,18 @@ const SINGLE: u32 = 1;
 /// A parent of two leaves, a block.
 const PAIR: u32 = 2;
 
-/// A light tree of shapes in rows.
+/// A light tree in rows.
 #[derive(Debug)]
 pub(super) struct LightLanes {
     /// By node: centre, half of the diagonal, square of the radius, axis, cosines of normals and emission, power; then as
     /// words the second child, the kind and the block.
     nodes: Vec<Row>,
     blocks: Vec<Block>,
-    /// By shape: three corners, normal, extent, radiance.
-    shapes: Vec<Row>,
+    /// By light: three corners of a shape, normal, extent, radiance; a point's numbers as [`PointLight::row`] has them, and after
+    /// thirteen its intensity.
+    lights: Vec<Row>,
+    /// Lights from this on are points.
+    first_point: u32,
     /// By shape: whether its radiance depends on the position. Empty if none does.
     uneven: Vec<bool>,
     /// By shape: where its light goes. Empty if all go everywhere.
@@ -111,15 +118,39 @@ struct End<S: Simd> {
 }
 
 impl LightLanes {
-    /// `None` where the tree is empty or not all of shapes.
+    /// `None` where the tree is empty.
     pub(super) fn new(parts: &LightParts, tree: &LightTree) -> Option<Self> {
-        let lights = parts.shapes.as_ref()?;
-        if tree.is_empty() || !parts.points.is_empty() {
+        if tree.is_empty() {
             return None;
         }
-        let beams = lights.beams();
-        let mut lanes =
-            Self { nodes: Vec::new(), blocks: Vec::new(), shapes: Vec::new(), uneven: Vec::new(), beams };
+        let of_shapes = parts.shapes.as_ref();
+        let even: Vec<_> =
+            of_shapes.iter().flat_map(|all| (0..all.len()).map(|i| all.even_radiance(i))).collect();
+        let is_uneven = even.iter().any(Option::is_none);
+        let mut lanes = Self {
+            nodes: Vec::new(),
+            blocks: Vec::new(),
+            lights: Vec::new(),
+            first_point: parts.shape_count() as u32,
+            uneven: if is_uneven { even.iter().map(Option::is_none).collect() } else { Vec::new() },
+            beams: of_shapes.map_or(Vec::new(), |all| all.beams()),
+        };
+        for (shape, even) in of_shapes.iter().flat_map(|all| &all.shapes).zip(&even) {
+            let mut row = [0.0; LANES];
+            row[..13].copy_from_slice(&shape.row());
+            row[13..].copy_from_slice(&even.unwrap_or_default().to_array());
+            lanes.lights.push(Row(row));
+        }
+        for point in &parts.points {
+            let mut row = [0.0; LANES];
+            row[..disc::NUMBERS].copy_from_slice(&point.row());
+            row[13..].copy_from_slice(&point.intensity.to_array());
+            lanes.lights.push(Row(row));
+        }
+        let power = |light: u32| match of_shapes.and_then(|all| all.shapes.get(light as usize)) {
+            Some(shape) => shape.power,
+            None => parts.points[(light - lanes.first_point) as usize].power(),
+        };
         for (at, node) in tree.nodes.iter().enumerate() {
             let (kind, leaves) = if node.lights > 0 {
                 (SINGLE, vec![node])
@@ -130,19 +161,9 @@ impl LightLanes {
             };
             let block = lanes.blocks.len() as u32;
             if kind != INNER {
-                lanes.blocks.push(Block::new(&leaves, tree, &lights.shapes));
+                lanes.blocks.push(Block::new(&leaves, tree, (&lanes.lights, lanes.first_point, &power)));
             }
             lanes.nodes.push(node_row(node, [node.index, kind, block]));
-        }
-        let even: Vec<_> = (0..lights.len()).map(|i| lights.even_radiance(i)).collect();
-        for (shape, even) in lights.shapes.iter().zip(&even) {
-            let mut row = [0.0; LANES];
-            row[..13].copy_from_slice(&shape.row());
-            row[13..].copy_from_slice(&even.unwrap_or_default().to_array());
-            lanes.shapes.push(Row(row));
-        }
-        if even.iter().any(Option::is_none) {
-            lanes.uneven = even.iter().map(Option::is_none).collect();
         }
         Some(lanes)
     }
@@ -162,15 +183,28 @@ impl LightLanes {
         let (light, probability, found) = self.choose(&end, p, normal);
         let probability = lane_probability * probability;
         let light: [u32; LANES] = light.into();
-        let row = columns(simd, &self.shapes, &light);
-        let zero = f32x16::splat(simd, 0.0);
-        // Chosen already, so that its power counts no more.
-        let Aim { position: [b1, b2], dir, dist, density } = shape_at(&row, zero).aim(p, [x, y], found);
+        let row = columns(simd, &self.lights, &light);
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let points = found & u32x16::simd_from(simd, light).simd_ge(u32x16::splat(simd, self.first_point));
+        let of_shapes = found & !points;
+        let position = [zero; 2];
+        let mut aim = Aim { position, dir: Vec3x16::grey(zero), dist: zero, density: one };
+        if of_shapes.any_true() {
+            // Chosen already, so that its power counts no more.
+            aim = shape_at(&row, zero).aim(p, [x, y], of_shapes);
+        }
         let mut radiance = Vec3x16::new(row[13], row[14], row[15]);
+        if points.any_true() {
+            let Seen { dir, dist, share, there } = DiscAt::of(&row).seen_from(p, [x, y]);
+            let dist = there.select(dist, zero);
+            aim = Aim { position, dir, dist, density: one }.or(points, aim);
+            radiance = Vec3x16::pick(points, radiance * share, radiance);
+        }
+        let Aim { position: [b1, b2], dir, dist, density } = aim;
         if let (false, Some(lights)) = (self.uneven.is_empty(), &parts.shapes) {
             let (mut requests, mut of) = ([EmitterPoint::default(); LANES], [0; LANES]);
             let mut count = 0;
-            for i in LanesOf(found.to_bitmask()).filter(|&i| self.uneven[light[i] as usize]) {
+            for i in LanesOf(of_shapes.to_bitmask()).filter(|&i| self.uneven[light[i] as usize]) {
                 let (shape, position, dir) = (light[i], [b1[i], b2[i]], dir.get(i));
                 let request = EmitterPoint { shape, position, dir, distance: dist[i] };
                 (requests[count], of[count]) = (request, i);
@@ -184,8 +218,7 @@ impl LightLanes {
         }
         let pdf = probability * density;
         let sound = dist.simd_gt(zero) & pdf.simd_gt(zero) & pdf.is_finite() & radiance.is_finite();
-        let none = Mask::from_bitmask(simd, 0);
-        LightSampleX16 { dir, dist, radiance, pdf, delta: none, found: found & sound }
+        LightSampleX16 { dir, dist, radiance, pdf, delta: points, found: found & sound }
     }
 
     /// From the root to a leaf or two; `choice` is in [0, 1).
@@ -293,7 +326,7 @@ impl LightLanes {
         (u32x16::simd_from(simd, light), probability, found)
     }
 
-    /// Contribution of each shape of each lane's block.
+    /// Contribution of each light of each lane's block.
     #[inline(always)]
     fn contributions<S: Simd>(
         &self,
@@ -307,12 +340,16 @@ impl LightLanes {
         if let [block] = &self.blocks[..] {
             // All are here: points side by side.
             for (k, contribution) in contributions.iter_mut().enumerate() {
-                if block.shape[13].0[k] > 0.0 {
-                    let mut shape = [zero; 14];
-                    for (x, row) in shape.iter_mut().zip(&block.shape) {
+                if block.columns[13].0[k] > 0.0 {
+                    let mut light = [zero; 14];
+                    for (x, row) in light.iter_mut().zip(&block.columns) {
                         *x = f32x16::splat(simd, row.0[k]);
                     }
-                    let shape = shape_at(&shape, shape[13]);
+                    if block.points >> k & 1 != 0 {
+                        *contribution = light[13] * DiscAt::of(&light).contribution(p, normal);
+                        continue;
+                    }
+                    let shape = shape_at(&light, light[13]);
                     *contribution = shape.contribution(p, normal);
                     if let Some(beam) = self.beam(block.lights[k]) {
                         *contribution *= beam.share(shape.cells(p));
@@ -323,20 +360,27 @@ impl LightLanes {
         }
         let block: [u32; LANES] = end.block.into();
         for i in LanesOf(end.alive.to_bitmask()) {
-            let rows = &self.blocks[block[i] as usize].shape;
-            let mut shape = [zero; 14];
-            for (x, row) in shape.iter_mut().zip(rows) {
+            let Block { columns, lights, points, shapes } = &self.blocks[block[i] as usize];
+            let mut light = [zero; 14];
+            for (x, row) in light.iter_mut().zip(columns) {
                 *x = f32x16::from_slice(simd, &row.0);
             }
-            let (shape, p) = (shape_at(&shape, shape[13]), p.spread(i));
-            contributions[i] = shape.contribution(p, normal.map(|normal| normal.spread(i)));
-            if !self.beams.is_empty() {
-                let (cells, lights) = (shape.cells(p), &self.blocks[block[i] as usize].lights);
-                for (k, &light) in lights.iter().enumerate() {
-                    let Some(beam) = self.beam(light) else { continue };
-                    let [a, b, c, d] = [cells[0][k], cells[1][k], cells[2][k], cells[3][k]];
-                    contributions[i][k] *= beam.share([a, b, c, d]);
+            let (p, normal) = (p.spread(i), normal.map(|normal| normal.spread(i)));
+            if *shapes != 0 {
+                let shape = shape_at(&light, light[13]);
+                contributions[i] = shape.contribution(p, normal);
+                if !self.beams.is_empty() {
+                    let cells = shape.cells(p);
+                    for (k, &light) in lights.iter().enumerate() {
+                        let Some(beam) = self.beam(light) else { continue };
+                        let [a, b, c, d] = [cells[0][k], cells[1][k], cells[2][k], cells[3][k]];
+                        contributions[i][k] *= beam.share([a, b, c, d]);
+                    }
                 }
+            }
+            if *points != 0 {
+                let of_points = light[13] * DiscAt::of(&light).contribution(p, normal);
+                contributions[i] = Mask::from_bitmask(simd, *points).select(of_points, contributions[i]);
             }
         }
         transpose(contributions)
@@ -349,17 +393,20 @@ impl LightLanes {
 }
 
 impl Block {
-    fn new(leaves: &[&Node], tree: &LightTree, shapes: &[Shape]) -> Self {
-        let mut block = Self { shape: [Row([0.0; LANES]); 14], lights: [0; LANES] };
+    fn new(
+        leaves: &[&Node],
+        tree: &LightTree,
+        (rows, first_point, power): (&[Row], u32, &impl Fn(u32) -> f32),
+    ) -> Self {
+        let mut block = Self { columns: [Row([0.0; LANES]); 14], lights: [0; LANES], points: 0, shapes: 0 };
         for (half, leaf) in leaves.iter().enumerate() {
             let lights = &tree.order[leaf.index as usize..(leaf.index + leaf.lights) as usize];
             for (slot_index, &light) in (half * LEAF..).zip(lights) {
-                let shape = &shapes[light as usize];
-                let mut row = [0.0; 14];
-                row[..13].copy_from_slice(&shape.row());
-                row[13] = shape.power;
-                block.shape.iter_mut().zip(row).for_each(|(column, x)| column.0[slot_index] = x);
+                let numbers = rows[light as usize].0[..13].iter().copied().chain([power(light)]);
+                block.columns.iter_mut().zip(numbers).for_each(|(column, x)| column.0[slot_index] = x);
                 block.lights[slot_index] = light;
+                let bits = if light < first_point { &mut block.shapes } else { &mut block.points };
+                *bits |= 1 << slot_index;
             }
         }
         block

@@ -19,7 +19,6 @@ use super::light_estimates::Aim;
 use super::light_lanes::LightLanes;
 use super::light_parts::{LightId, LightKind, LightParts, LightSample, is_sound};
 use super::light_tree::{LightBounds, LightTree};
-use super::punctual::Seen;
 use super::shape::Shape;
 use crate::sampling::{Choice, Distribution};
 
@@ -37,7 +36,7 @@ pub struct LightSet {
 /// The choice of lights that have a position.
 pub(super) struct NearLights {
     pub(super) tree: LightTree,
-    /// The tree for many points at once, where all its lights are shapes.
+    /// The tree for many points at once; `None` where it is empty.
     pub(super) lanes: Option<LightLanes>,
 }
 
@@ -171,15 +170,8 @@ impl LightSet {
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
             LightKind::Point(i) => {
-                let Seen { dir, dist, irradiance } = self.parts.points[i as usize].seen_from(p, u)?;
-                Some(LightSample {
-                    dir,
-                    dist,
-                    radiance: irradiance,
-                    pdf: probability,
-                    delta: true,
-                    light: id,
-                })
+                let (dir, dist, radiance) = self.parts.points[i as usize].seen_from(p, u)?;
+                Some(LightSample { dir, dist, radiance, pdf: probability, delta: true, light: id })
             }
             LightKind::Directional(_) | LightKind::Environment => None,
         }
@@ -274,8 +266,7 @@ impl LightSet {
             return lights.contribution(light as usize, p, ns);
         }
         let LightKind::Point(i) = self.kind(LightId(light)) else { return 0.0 };
-        let contribution = self.parts.points[i as usize].estimate(p, ns);
-        if contribution.is_finite() { contribution } else { 0.0 }
+        self.parts.points[i as usize].estimate(p, ns)
     }
 }
 
@@ -299,7 +290,7 @@ fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
         cos_normals: light.cone.map_or(-1.0, |_| 1.0),
         cos_emission: light.cone.map_or(0.0, |cone| cone.cos_outer),
         // The mean cosine of all normals is a quarter.
-        power: luminance(light.intensity.into()) * light.cone.map_or(4.0, |_| 1.0),
+        power: light.power() * light.cone.map_or(4.0, |_| 1.0),
     });
     shapes.chain(points).map(Some).collect()
 }

@@ -527,6 +527,23 @@ fn lanes_choose_as_points_do() {
             ..LightParts::default()
         })
     };
+    // Points, some with a radius, some with a cone, beside triangles.
+    let points = |n: usize, triangles: usize| {
+        let point = |i: usize| {
+            let edge = [ConeEdge::Smooth, ConeEdge::Squared][i % 2];
+            let cone = Cone::new(Vec3::new(0.3, 0.5 - (i % 2) as f32, -1.0), 0.2, 0.9, edge);
+            PointLight {
+                radius: 0.2 * (i % 3) as f32,
+                cone: cone.filter(|_| i % 4 > 1),
+                ..PointLight::new(emissive_triangle(i + 7)[0], Vec3::new(1.0, 2.0, 1.0 + i as f32))
+            }
+        };
+        set(LightParts {
+            shapes: emissive_triangles(triangles).filter(|_| triangles > 0),
+            points: (0..n).map(point).collect(),
+            ..LightParts::default()
+        })
+    };
     let with_sky = set(LightParts {
         shapes: emissive_triangles(30),
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE, 0.4).into_iter().collect(),
@@ -549,6 +566,11 @@ fn lanes_choose_as_points_do() {
         beamed(3),
         beamed(9),
         beamed(80),
+        points(1, 0),
+        points(7, 1),
+        points(13, 0),
+        points(50, 0),
+        points(20, 40),
     ];
     for (which, lights) in sets.iter().enumerate() {
         let (mut lit, mut dark) = (0, 0);

@@ -4,6 +4,7 @@
 
 mod area;
 mod beam;
+mod disc;
 mod environment;
 mod lamp_points;
 mod light_emission;

@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 use glam::{Vec2, Vec3};
 use gnurt_image::srgb::luminance;
 
-use super::light_estimates::above_horizon;
+use super::disc::{ConeAt, DiscAt, Seen};
 use crate::batch::Vec3s;
 use crate::sampling::warp::concentric_disk;
 use crate::sampling::{Basis, uniform_sphere};
@@ -37,8 +37,8 @@ pub struct Cone {
     pub(super) axis: Vec3,
     pub(super) cos_outer: f32,
     /// One over the difference of the cones' cosines.
-    scale: f32,
-    edge: ConeEdge,
+    pub(super) scale: f32,
+    pub(super) edge: ConeEdge,
 }
 
 /// How light fades from the inner cone, where the share of the way between the cones' cosines is 1, to the outer one, where it is 0.
@@ -49,16 +49,6 @@ pub enum ConeEdge {
     Squared,
     /// By its smooth step 3x² - 2x³, as in pbrt and Blender.
     Smooth,
-}
-
-/// Light from a point of a light, as a place sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Seen {
-    /// Unit, to the light.
-    pub dir: Vec3,
-    pub dist: f32,
-    /// Of a surface that faces that direction, over the density of the point.
-    pub irradiance: Vec3,
 }
 
 /// From infinitely far away.
@@ -81,15 +71,6 @@ impl Cone {
         let scale = 1.0 / (cos_inner - cos_outer).max(1e-4);
         Some(Self { axis, cos_outer, scale, edge })
     }
-
-    /// Share of the intensity at this cosine to the axis.
-    pub(super) fn falloff(&self, cos: f32) -> f32 {
-        let share = ((cos - self.cos_outer) * self.scale).clamp(0.0, 1.0);
-        match self.edge {
-            ConeEdge::Squared => share * share,
-            ConeEdge::Smooth => share * share * (3.0 - 2.0 * share),
-        }
-    }
 }
 
 impl PointLight {
@@ -101,51 +82,30 @@ impl PointLight {
 
     /// The intensity in this unit direction away from it.
     pub(super) fn intensity_along(&self, away: Vec3) -> Vec3 {
-        match &self.cone {
-            None => self.intensity,
-            Some(cone) => self.intensity * cone.falloff(away.dot(cone.axis)),
-        }
+        let cone = ConeAt::of(self.cone.as_ref());
+        self.intensity * cone.falloff(cone.axis.dot(away.into()))
     }
 
-    /// Its light at `p` from a point of its disc by two numbers in [0, 1), uniform by area. `None` where it has no direction: at the
-    /// light itself.
-    pub(super) fn seen_from(&self, p: Vec3, u: [f32; 2]) -> Option<Seen> {
-        let offset = self.position - p;
-        let dist = offset.length();
-        let dir = offset / dist;
-        if !(dist > 0.0 && dist.is_finite()) {
-            return None;
-        }
-        if self.radius <= 0.0 {
-            return Some(Seen { dir, dist, irradiance: self.intensity_along(-dir) / (dist * dist) });
-        }
-        let on_disc = concentric_disk(u) * self.radius;
-        let offset = offset + Basis::around(dir).to_world(on_disc.extend(0.0));
-        let dist = offset.length();
-        let to = offset / dist;
-        Some(Seen { dir: to, dist, irradiance: self.intensity_along(-to) * (to.dot(dir) / (dist * dist)) })
+    /// As choices see it.
+    pub(super) fn at(&self) -> DiscAt<f32> {
+        DiscAt { position: self.position.into(), radius: self.radius, cone: ConeAt::of(self.cone.as_ref()) }
+    }
+
+    /// Its light at `p` from a point of its disc by two numbers in [0, 1): the unit direction, the distance, and the irradiance of a surface
+    /// that faces it, over the density of the point. `None` where it has no direction: at the light itself.
+    pub(super) fn seen_from(&self, p: Vec3, u: [f32; 2]) -> Option<(Vec3, f32, Vec3)> {
+        let Seen { dir, dist, share, there } = self.at().seen_from(p.into(), u);
+        there.then(|| (dir.into(), dist, self.intensity * share))
     }
 
     /// About how bright it makes a surface at `p` that faces `ns` (zero: all sides); above zero wherever any of its disc is seen.
     pub(super) fn estimate(&self, p: Vec3, ns: Vec3) -> f32 {
-        let brightness = luminance(self.intensity.into());
-        let offset = self.position - p;
-        let distance2 = offset.length_squared();
-        let dir = offset / distance2.sqrt();
-        let cos = if ns == Vec3::ZERO { 1.0 } else { ns.dot(dir) };
-        let along = self.cone.map_or(1.0, |cone| -dir.dot(cone.axis));
-        if self.radius <= 0.0 {
-            return brightness * self.cone.map_or(1.0, |cone| cone.falloff(along)) * cos.max(0.0) / distance2;
-        }
-        // Sine and cosine of the angle of its radius.
-        let across2 = distance2 + self.radius * self.radius;
-        let (sin, straight) = (self.radius / across2.sqrt(), (distance2 / across2).sqrt());
-        let nearest = if along >= straight {
-            1.0
-        } else {
-            along * straight + (1.0 - along * along).max(0.0).sqrt() * sin
-        };
-        brightness * self.cone.map_or(1.0, |cone| cone.falloff(nearest)) * above_horizon(cos, sin) / across2
+        self.power() * self.at().contribution(p.into(), (ns != Vec3::ZERO).then(|| ns.into()))
+    }
+
+    /// The brightness of its intensity.
+    pub(super) fn power(&self) -> f32 {
+        luminance(self.intensity.into())
     }
 
     /// The solid angle into which it shines.
@@ -235,10 +195,10 @@ impl LightShader for PointLight {
         for i in 0..p.len() {
             // Only discs need the numbers.
             let random = random.get(i).copied().unwrap_or([0.5; 2]);
-            if let Some(seen) = self.seen_from(p.get(i), random) {
-                out.dir.set(i, seen.dir);
-                out.dist[i] = seen.dist;
-                out.radiance.set(i, seen.irradiance);
+            if let Some((dir, dist, irradiance)) = self.seen_from(p.get(i), random) {
+                out.dir.set(i, dir);
+                out.dist[i] = dist;
+                out.radiance.set(i, irradiance);
             }
         }
     }
@@ -304,7 +264,7 @@ mod tests {
             let p = light.position - towards * distance;
             let seen = |u| light.seen_from(p, u).expect("it is elsewhere");
             let facing = 1.0 / (distance * distance + 0.25);
-            let by_disc = mean(&|u| seen(u).irradiance.x * seen(u).dir.dot(towards));
+            let by_disc = mean(&|u| seen(u).2.x * seen(u).0.dot(towards));
             assert!((by_disc / facing - 1.0).abs() < 3e-3, "{distance}: {by_disc}, not {facing}");
             let by_ball = mean(&|u| {
                 let offset = light.any_point(u) - p;
@@ -333,7 +293,7 @@ mod tests {
                 ));
                 let lit = numbers()
                     .step_by(37)
-                    .map(|u| seen(u).dir.dot(turned).max(0.0) * seen(u).irradiance.x)
+                    .map(|u| seen(u).0.dot(turned).max(0.0) * seen(u).2.x)
                     .fold(0.0, f32::max);
                 let estimate = light.estimate(p, turned);
                 assert!(

@@ -17,5 +17,5 @@ pub use hash::hash_combine;
 pub use sobol::{Draws, purpose, sample_pair};
 pub use sobol_lanes::{DrawsX16, key_values, sample_pairs};
 pub use warp::{Basis, concentric_disk, cosine_hemisphere, uniform_sphere};
+pub(crate) use warp_lanes::{concentric_disk_of, frame_around, sin_cos_of_fraction};
 pub use warp_lanes::{cosine_hemisphere_of, triangle};
-pub(crate) use warp_lanes::{frame_around, sin_cos_of_fraction};

@@ -3,11 +3,11 @@
 //! Source: [SC97] (concentric disk), Malley's method (cosine hemisphere), [Hei19] (triangle), [DBC*17] (frame).
 //! Tests: `tests::{hemisphere_follows_the_cosine, triangle_is_uniform, basis_is_orthonormal}`.
 
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::warp_lanes::cosine_hemisphere_of;
+use super::warp_lanes::{concentric_disk_of, cosine_hemisphere_of};
 
 /// A right-handed frame around a unit vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,13 +71,7 @@ pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
 
 /// A point of the unit disk, uniform by area.
 pub fn concentric_disk(u: [f32; 2]) -> Vec2 {
-    let [x, y] = u.map(|u| 2.0 * u - 1.0);
-    if x == 0.0 && y == 0.0 {
-        return Vec2::ZERO;
-    }
-    let (radius, angle) =
-        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
-    radius * Vec2::from_angle(angle)
+    concentric_disk_of(u).into()
 }
 
 #[cfg(test)]

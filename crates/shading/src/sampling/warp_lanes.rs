@@ -8,9 +8,9 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use crate::real::{Real, Vector};
 
-/// See [`cosine_hemisphere`](super::cosine_hemisphere).
+/// See [`concentric_disk`](super::concentric_disk).
 #[inline(always)]
-pub fn cosine_hemisphere_of<R: Real>(u: [R; 2]) -> Vector<R> {
+pub(crate) fn concentric_disk_of<R: Real>(u: [R; 2]) -> [R; 2] {
     let (zero, one) = (u[0].all(0.0), u[0].all(1.0));
     let (x, y) = (u[0] * 2.0 - one, u[1] * 2.0 - one);
     let wide = x.size().above(y.size());
@@ -18,8 +18,14 @@ pub fn cosine_hemisphere_of<R: Real>(u: [R; 2]) -> Vector<R> {
     // Where both are zero the radius is, and any angle will do.
     let angle = R::pick(radius.is(zero), zero, less / radius * FRAC_PI_4);
     let (sin, cos) = sin_cos(angle);
-    let (x, y) = (radius * R::pick(wide, cos, sin), radius * R::pick(wide, sin, cos));
-    let z = (x * x + y * y).rest().or_more(zero).root();
+    [radius * R::pick(wide, cos, sin), radius * R::pick(wide, sin, cos)]
+}
+
+/// See [`cosine_hemisphere`](super::cosine_hemisphere).
+#[inline(always)]
+pub fn cosine_hemisphere_of<R: Real>(u: [R; 2]) -> Vector<R> {
+    let [x, y] = concentric_disk_of(u);
+    let z = (x * x + y * y).rest().or_more(x.all(0.0)).root();
     Vector::new(x, y, z)
 }
 
