@@ -33,9 +33,10 @@ const TILE: u32 = 32;
 const MOST_VERTICES: usize = 1 << 21;
 /// `auto` guides if the second moment of light falls to this share.
 const PAYS: f32 = 0.7;
-/// The pilot is given up if a quarter of it tells of more by so many vertices.
-const HOPELESS: f32 = 0.9;
-const ENOUGH: usize = 10_000;
+/// The moment falls by less with each doubling of the pilot's samples: a pilot that will not come down to [`PAYS`] is given up.
+const FALLS: f32 = 0.08;
+/// Vertices by which that is judged.
+const ENOUGH: usize = 20_000;
 
 /// A guide, and from which sample on it is used.
 #[derive(Clone, Debug, Default)]
@@ -78,9 +79,10 @@ pub(crate) fn train(
         of_tiles.iter().for_each(|stats| cost.add(stats));
         tiles.iter_mut().for_each(|tile| tile.recorder.drop_dark());
         vertices = tiles.iter().map(|tile| tile.recorder.vertices.len()).sum();
-        let may_end = 4 * taken == options.spp && options.guiding == Guiding::Auto && vertices >= ENOUGH;
-        guide = pool.install(|| learn(&tiles, taken == options.spp || may_end));
-        if may_end && guide.moment() > HOPELESS {
+        let may_end = options.guiding == Guiding::Auto && vertices >= ENOUGH;
+        guide = pool.install(|| learn(&tiles, taken >= options.spp || may_end));
+        let doublings = (options.spp as f32 / taken as f32).log2();
+        if may_end && guide.moment() > PAYS + FALLS * doublings {
             break;
         }
     }

@@ -31,7 +31,7 @@ impl Equiangular {
         let offset = point - org;
         let middle = offset.dot(dir);
         let height = (offset - dir * middle).length().max(LEAST * offset.length());
-        if (middle.clamp(begin, end) - middle).hypot(height) >= most {
+        if distance(middle, height, [begin, end]) >= most {
             return None;
         }
         let [first, last] = [begin, end].map(|t| ((t - middle) / height).atan());
@@ -40,8 +40,8 @@ impl Equiangular {
     }
 
     /// How close a stretch of the ray comes to the point.
-    pub(super) fn closest(&self, [begin, end]: [f32; 2]) -> f32 {
-        (self.middle.clamp(begin, end) - self.middle).hypot(self.height)
+    pub(super) fn closest(&self, span: [f32; 2]) -> f32 {
+        distance(self.middle, self.height, span)
     }
 
     /// A parameter of the ray.
@@ -54,6 +54,12 @@ impl Equiangular {
         let away = (t - self.middle) / self.height;
         1.0 / (self.angle * self.height * (1.0 + away * away))
     }
+}
+
+/// How close a stretch of a ray comes to a point.
+fn distance(middle: f32, height: f32, [begin, end]: [f32; 2]) -> f32 {
+    let along = middle.clamp(begin, end) - middle;
+    (along * along + height * height).sqrt()
 }
 
 #[cfg(test)]

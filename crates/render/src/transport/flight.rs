@@ -15,65 +15,92 @@ use crate::world::{GridRay, Inside, Media, MediumEntry};
 /// Numbers of a walk that are stratified: those of its first four events.
 const STRATIFIED: u32 = 16;
 
-/// Random numbers of one flight, or walk: the first are stratified over the samples of a pixel.
+/// Random numbers of one flight, or walk: the first are stratified over the samples of a pixel. Nothing is hashed before it is needed:
+/// light that passes even media needs no number.
 pub(crate) struct Random {
-    first: Option<Draws>,
+    source: Source,
     /// The purpose of the first pair, and how many numbers there are.
     purpose: u32,
     stratified: u32,
-    state: u32,
     count: u32,
     pair: [f32; 2],
+    /// The beginning of the others.
+    state: Option<u32>,
+}
+
+/// Where numbers come from.
+#[derive(Clone, Copy)]
+enum Source {
+    /// Seed, sample and edges, not hashed; a layer and a use of them.
+    Key(u64, SampleKey, u32, [u32; 2]),
+    /// The same, hashed.
+    Draws(Draws, [u32; 2]),
+}
+
+impl Source {
+    fn hashed(self) -> (Draws, [u32; 2]) {
+        match self {
+            Self::Key(seed, key, edges, more) => (Draws::new(seed, key, edges), more),
+            Self::Draws(draws, more) => (draws, more),
+        }
+    }
 }
 
 impl Random {
-    fn new(seed: u64, key: SampleKey, more: [u32; 3], (purpose, stratified): (u32, u32)) -> Self {
-        let values = [seed as u32, (seed >> 32) as u32, key.pixel, key.sample, key.branch];
-        let state = values.into_iter().chain(more).fold(0x51ed_270b, hash_combine);
-        let first = (stratified > 0).then(|| Draws::new(seed, key, more[0]));
-        Self { first, purpose, stratified, state, count: 0, pair: [0.0; 2] }
+    fn new(source: Source, purpose: u32, stratified: u32) -> Self {
+        Self { source, purpose, stratified, count: 0, pair: [0.0; 2], state: None }
+    }
+
+    fn hashed(seed: u64, key: SampleKey, edges: u32, use_: u32) -> Source {
+        Source::Draws(Draws::new(seed, key, edges), [0, use_])
     }
 
     /// Those of the flight along an edge.
     pub(crate) fn of_edge(seed: u64, key: SampleKey, edges: u32) -> Self {
-        Self::new(seed, key, [edges, 0, 1], (purpose::FLIGHT, 2))
+        Self::new(Self::hashed(seed, key, edges, 1), purpose::FLIGHT, 2)
     }
 
     /// Those of one stretch of a shadow ray.
     pub(crate) fn of_shadow(seed: u64, key: SampleKey, [edges, layer]: [u32; 2]) -> Self {
-        Self::new(seed, key, [edges, layer, 2], (0, 0))
+        Self::new(Source::Key(seed, key, edges, [layer, 2]), 0, 0)
     }
 
     /// Those of a further purpose along the same edge.
     pub(super) fn beside(&self, more: u32) -> Self {
-        Self { first: None, stratified: 0, state: hash_combine(self.state, more), count: 0, ..*self }
+        let (draws, [layer, use_]) = self.source.hashed();
+        Self::new(Source::Draws(draws, [hash_combine(layer, more), use_]), 0, 0)
     }
 
     /// A pair of this purpose along the same edge, stratified over the samples of a pixel.
     pub(super) fn pair_of(&self, purpose: u32) -> [f32; 2] {
-        self.first.map_or([0.5; 2], |first| first.pair(purpose))
+        self.source.hashed().0.pair(purpose)
     }
 
     /// Those of a walk below the surface at the end of an edge.
     pub(super) fn of_walk(seed: u64, key: SampleKey, edges: u32) -> Self {
-        Self::new(seed, key, [edges, 0, 3], (purpose::WALK, STRATIFIED))
+        Self::new(Self::hashed(seed, key, edges, 3), purpose::WALK, STRATIFIED)
     }
 
     /// Those of the search for a lamp behind smooth surfaces, from the end of an edge.
     pub(super) fn of_caustic(seed: u64, key: SampleKey, edges: u32) -> Self {
-        Self::new(seed, key, [edges, 0, 5], (0, 0))
+        Self::new(Source::Key(seed, key, edges, [0, 5]), 0, 0)
     }
 
     pub(super) fn next(&mut self) -> f32 {
         let count = self.count;
         self.count += 1;
-        if let Some(first) = self.first.filter(|_| count < self.stratified) {
+        if count < self.stratified {
             if count.is_multiple_of(2) {
-                self.pair = first.pair(self.purpose + count / 2);
+                self.pair = self.pair_of(self.purpose + count / 2);
             }
             return self.pair[count as usize % 2];
         }
-        (hash_combine(self.state, count) >> 8) as f32 * (1.0 / 16_777_216.0)
+        let source = self.source;
+        let state = *self.state.get_or_insert_with(|| {
+            let (draws, more) = source.hashed();
+            draws.hash(more)
+        });
+        (hash_combine(state, count) >> 8) as f32 * (1.0 / 16_777_216.0)
     }
 }
 

@@ -260,13 +260,10 @@ impl LightSet {
 
     /// Approximate contribution of a light of the tree to a surface; 0 if there is none.
     pub(super) fn contribution(&self, light: u32, p: Vec3, ns: Vec3) -> f32 {
-        if let Some(lights) = &self.parts.shapes
-            && (light as usize) < lights.len()
-        {
-            return lights.contribution(light as usize, p, ns);
+        match (light as usize, &self.parts.shapes) {
+            (i, Some(shapes)) if i < shapes.len() => shapes.contribution(i, p, ns),
+            (i, _) => self.parts.points[i - self.parts.shape_count()].estimate(p, ns),
         }
-        let LightKind::Point(i) = self.kind(LightId(light)) else { return 0.0 };
-        self.parts.points[i as usize].estimate(p, ns)
     }
 }
 

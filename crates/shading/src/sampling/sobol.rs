@@ -69,6 +69,13 @@ impl Draws {
         Self { sample: key.sample, set: values.into_iter().fold(0x9e37_79b9, hash_combine) }
     }
 
+    /// A hash of the whole key and further words: the beginning of numbers that are not stratified.
+    #[must_use]
+    #[inline]
+    pub fn hash(self, more: [u32; 2]) -> u32 {
+        [self.sample].into_iter().chain(more).fold(self.set, hash_combine)
+    }
+
     /// The hash for a purpose, and the index of the sample in its sequence.
     #[inline]
     fn shuffled(self, purpose: u32) -> (u32, u32) {
