@@ -118,15 +118,17 @@ def of_particles(evaluated, system, matrix):
     points = np.fromiter(chain.from_iterable(found), float, count=len(numbers) * (steps + 1) * 3).reshape(-1, steps + 1, 3)
     points = points[points.any(axis=(1, 2))]
     points = points @ inverse[:3, :3].T + inverse[:3, 3]
-    return Strands(points.reshape(-1, 3), np.tile(profile(settings, steps), len(points)), np.full(len(points), steps + 1))
+    return Strands(points.reshape(-1, 3), profile(settings, points).reshape(-1), np.full(len(points), steps + 1))
 
 
-def profile(settings, steps):
-    """Radii from root to tip."""
-    root, tip = settings.root_radius * settings.radius_scale, settings.tip_radius * settings.radius_scale
-    at = np.linspace(0, 1, steps + 1)
-    at = at ** (1 + settings.shape) if settings.shape < 0 else at ** (1 / max(1 - settings.shape, 1e-3))
-    width = root + (tip - root) * at
+def profile(settings, points):
+    """Radii of strands from root to tip; Blender's settings are diameters, whatever their names."""
+    root, tip = (0.5 * settings.radius_scale * width for width in (settings.root_radius, settings.tip_radius))
+    lengths = np.linalg.norm(np.diff(points, axis=1), axis=2).cumsum(axis=1)
+    left = np.ones(points.shape[:2])
+    left[:, 1:] -= lengths / np.maximum(lengths[:, -1:], 1e-20)
+    shape = settings.shape
+    width = tip + (root - tip) * np.maximum(left, 0) ** (1 + shape if shape < 0 else 1 / max(1 - shape, 1e-3))
     if settings.use_close_tip:
-        width[-1] = 0.0
+        width[:, -1] = 0.0
     return width

@@ -770,6 +770,22 @@ def gas_is_where_its_grids_are():
     assert off < 0.05 and abs(ours.mean() / theirs.mean() - 1) < 0.02, f"blocks differ by {off}, means {ours.mean()} {theirs.mean()}"
 
 
+@check
+def particle_hair_is_as_wide_as_in_cycles():
+    start()
+    SCENES["hair"]()
+    scene, emitter = bpy.context.scene, next(thing for thing in bpy.data.objects if thing.particle_systems)
+    for thing in list(bpy.data.objects):
+        if thing.type == "MESH" and thing != emitter:
+            bpy.data.objects.remove(thing)
+    emitter.show_instancer_for_render, scene.render.film_transparent = False, True
+    settings = emitter.particle_systems[0].settings
+    for shape, is_closed in ((0.0, True), (0.5, False), (-0.5, False)):
+        settings.shape, settings.use_close_tip = shape, is_closed
+        ours, theirs = (render(engine, 32)[..., 3].mean() for engine in ("GNURT", "CYCLES"))
+        assert abs(ours / theirs - 1) < 0.01, f"shape {shape}: covers {ours}, in Cycles {theirs}"
+
+
 def main():
     failed = 0
     for function in CHECKS:

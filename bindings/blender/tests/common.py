@@ -27,7 +27,7 @@ def start():
         gnurt_blender.register()
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = SIZE
-    scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER" if False else "OPEN_EXR"
+    scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
     scene.render.image_settings.color_mode = "RGBA"
     cycles = scene.cycles

@@ -29,14 +29,16 @@ def arrays(strands):
 def hair(settings, paths, matrix):
     """Pairs of points and radii of a hair system, from points in the world."""
     inverse, strands = np.linalg.inv(matrix), []
-    root, tip = settings.root_radius * settings.radius_scale, settings.tip_radius * settings.radius_scale
-    for points in paths:
-        if not points.any():
+    for world in paths:
+        if not world.any():
             continue
-        at = np.linspace(0, 1, len(points))
-        at = at ** (1 + settings.shape) if settings.shape < 0 else at ** (1 / max(1 - settings.shape, 1e-3))
-        width = root + (tip - root) * at
+        points = world.astype(float) @ inverse[:3, :3].T + inverse[:3, 3]
+        far, radii = along(points), []
+        for at in far:
+            left = max(1 - at / max(far[-1], 1e-20), 0)
+            left = left ** (1 + settings.shape) if settings.shape < 0 else left ** (1 / max(1 - settings.shape, 1e-3))
+            radii.append(settings.radius_scale / 2 * (settings.tip_radius + (settings.root_radius - settings.tip_radius) * left))
         if settings.use_close_tip:
-            width[-1] = 0.0
-        strands.append((points.astype(float) @ inverse[:3, :3].T + inverse[:3, 3], width))
+            radii[-1] = 0.0
+        strands.append((points, np.array(radii)))
     return strands
