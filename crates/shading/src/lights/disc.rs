@@ -5,11 +5,10 @@
 //! Invariant: the same bits for one place as for sixteen. Tests: `punctual::tests`, `light_set_tests::lanes_choose_as_points_do`.
 
 use super::light_estimates::above_horizon;
-use super::punctual::{Cone, ConeEdge, PointLight};
 use crate::real::{Real, Vector};
 use crate::sampling::{concentric_disk_of, frame_around};
 
-/// A [`PointLight`].
+/// A [`PointLight`](super::PointLight).
 #[derive(Clone, Copy)]
 pub(super) struct DiscAt<R: Real> {
     pub(super) position: Vector<R>,
@@ -17,7 +16,7 @@ pub(super) struct DiscAt<R: Real> {
     pub(super) cone: ConeAt<R>,
 }
 
-/// A [`Cone`]; that of lights which shine to all sides has no axis.
+/// A [`Cone`](super::Cone); that of lights which shine to all sides has no axis.
 #[derive(Clone, Copy)]
 pub(super) struct ConeAt<R: Real> {
     pub(super) axis: Vector<R>,
@@ -42,23 +41,18 @@ pub(super) struct Seen<R: Real> {
 /// Numbers of a row: position, axis, cosine, scale and edge of the cone, radius.
 pub(super) const NUMBERS: usize = 10;
 
-impl PointLight {
-    pub(super) fn row(&self) -> [f32; NUMBERS] {
-        let ConeAt { axis, cos_outer, scale, smooth } = ConeAt::of(self.cone.as_ref());
-        let ([x, y, z], Vector { x: a, y: b, z: c }) = (self.position.to_array(), axis);
-        [x, y, z, a, b, c, cos_outer, scale, smooth, self.radius]
-    }
+impl ConeAt<f32> {
+    /// That of lights which shine to all sides.
+    pub(super) const EVERYWHERE: Self =
+        Self { axis: Vector { x: 0.0, y: 0.0, z: 0.0 }, cos_outer: -2.0, scale: 1.0, smooth: 0.0 };
 }
 
-impl ConeAt<f32> {
-    pub(super) fn of(cone: Option<&Cone>) -> Self {
-        let everywhere = Self { axis: Vector::grey(0.0), cos_outer: -2.0, scale: 1.0, smooth: 0.0 };
-        cone.map_or(everywhere, |cone| Self {
-            axis: cone.axis.into(),
-            cos_outer: cone.cos_outer,
-            scale: cone.scale,
-            smooth: f32::from(u8::from(cone.edge == ConeEdge::Smooth)),
-        })
+impl DiscAt<f32> {
+    /// Its numbers in a row, as [`of`](Self::of) reads them.
+    pub(super) fn row(&self) -> [f32; NUMBERS] {
+        let ConeAt { axis, cos_outer, scale, smooth } = self.cone;
+        let Vector { x, y, z } = self.position;
+        [x, y, z, axis.x, axis.y, axis.z, cos_outer, scale, smooth, self.radius]
     }
 }
 

@@ -95,7 +95,7 @@ pub(super) struct LightLanes {
     /// words the second child, the kind and the block.
     nodes: Vec<Row>,
     blocks: Vec<Block>,
-    /// By light: three corners of a shape, normal, extent, radiance; a point's numbers as [`PointLight::row`] has them, and after
+    /// By light: three corners of a shape, normal, extent, radiance; a point's numbers as [`DiscAt::row`] has them, and after
     /// thirteen its intensity.
     lights: Vec<Row>,
     /// Lights from this on are points.
@@ -143,7 +143,7 @@ impl LightLanes {
         }
         for point in &parts.points {
             let mut row = [0.0; LANES];
-            row[..disc::NUMBERS].copy_from_slice(&point.row());
+            row[..disc::NUMBERS].copy_from_slice(&point.at().row());
             row[13..].copy_from_slice(&point.intensity.to_array());
             lanes.lights.push(Row(row));
         }

@@ -37,8 +37,8 @@ pub struct Cone {
     pub(super) axis: Vec3,
     pub(super) cos_outer: f32,
     /// One over the difference of the cones' cosines.
-    pub(super) scale: f32,
-    pub(super) edge: ConeEdge,
+    scale: f32,
+    edge: ConeEdge,
 }
 
 /// How light fades from the inner cone, where the share of the way between the cones' cosines is 1, to the outer one, where it is 0.
@@ -71,6 +71,16 @@ impl Cone {
         let scale = 1.0 / (cos_inner - cos_outer).max(1e-4);
         Some(Self { axis, cos_outer, scale, edge })
     }
+
+    /// As choices see it.
+    fn at(&self) -> ConeAt<f32> {
+        ConeAt {
+            axis: self.axis.into(),
+            cos_outer: self.cos_outer,
+            scale: self.scale,
+            smooth: f32::from(u8::from(self.edge == ConeEdge::Smooth)),
+        }
+    }
 }
 
 impl PointLight {
@@ -82,13 +92,17 @@ impl PointLight {
 
     /// The intensity in this unit direction away from it.
     pub(super) fn intensity_along(&self, away: Vec3) -> Vec3 {
-        let cone = ConeAt::of(self.cone.as_ref());
+        let cone = self.at().cone;
         self.intensity * cone.falloff(cone.axis.dot(away.into()))
     }
 
     /// As choices see it.
     pub(super) fn at(&self) -> DiscAt<f32> {
-        DiscAt { position: self.position.into(), radius: self.radius, cone: ConeAt::of(self.cone.as_ref()) }
+        DiscAt {
+            position: self.position.into(),
+            radius: self.radius,
+            cone: self.cone.as_ref().map_or(ConeAt::EVERYWHERE, Cone::at),
+        }
     }
 
     /// Its light at `p` from a point of its disc by two numbers in [0, 1): the unit direction, the distance, and the irradiance of a surface
