@@ -268,6 +268,22 @@ fn auto_begins_late_and_only_where_it_pays() {
     }
 }
 
+/// In a box that shines evenly lobes cannot be bettered, which the first rounds tell.
+#[test]
+fn pilots_that_will_not_pay_are_short() {
+    let mut scene = Scene::new();
+    let shining = scene.add_material(Material { emission: [0.1; 3], ..Material::matte("", [0.9; 3]) });
+    cube(&mut scene, shining);
+    let of = (world_of(&scene, true), camera([0.1, 0.2, 0.3], [1.0, 0.4, -0.2], 60.0));
+    let samples = path(75, 60, 1, Guiding::Auto).guided_from().expect("it is asked for");
+    assert_eq!(samples, 32, "those of the pilot, too");
+    let options = RenderOptions { max_depth: 6, ..path(75, 60, samples + 1, Guiding::Auto) };
+    let frame = render(&of.0, &of.1, &options, &pool(2), &Silent).expect("sound");
+    let guide = frame.stats.guide.expect("there was a pilot");
+    assert!(!guide.is_on && guide.vertices >= 20_000, "enough to tell: {guide}");
+    assert!(guide.vertices <= 4 * 75 * 60 * 6, "four of 32 samples at most: {guide}");
+}
+
 /// Long paths in a white box would store five million vertices.
 #[test]
 fn the_budget_holds() {

@@ -31,7 +31,7 @@ pub(crate) struct Random {
 /// Where numbers come from.
 #[derive(Clone, Copy)]
 enum Source {
-    /// Seed, sample and edges, not hashed; a layer and a use of them.
+    /// Seed, sample and edges, not hashed; a layer and a role of them.
     Key(u64, SampleKey, u32, [u32; 2]),
     /// The same, hashed.
     Draws(Draws, [u32; 2]),
@@ -51,8 +51,8 @@ impl Random {
         Self { source, purpose, stratified, count: 0, pair: [0.0; 2], state: None }
     }
 
-    fn hashed(seed: u64, key: SampleKey, edges: u32, use_: u32) -> Source {
-        Source::Draws(Draws::new(seed, key, edges), [0, use_])
+    fn hashed(seed: u64, key: SampleKey, edges: u32, role: u32) -> Source {
+        Source::Draws(Draws::new(seed, key, edges), [0, role])
     }
 
     /// Those of the flight along an edge.
@@ -67,8 +67,8 @@ impl Random {
 
     /// Those of a further purpose along the same edge.
     pub(super) fn beside(&self, more: u32) -> Self {
-        let (draws, [layer, use_]) = self.source.hashed();
-        Self::new(Source::Draws(draws, [hash_combine(layer, more), use_]), 0, 0)
+        let (draws, [layer, role]) = self.source.hashed();
+        Self::new(Source::Draws(draws, [hash_combine(layer, more), role]), 0, 0)
     }
 
     /// A pair of this purpose along the same edge, stratified over the samples of a pixel.

@@ -74,11 +74,11 @@ impl<R: Real> DiscAt<R> {
         Self { position: vector(0), radius: row[9], cone }
     }
 
-    /// About how bright it makes surfaces at `p`, as a share of its intensity; above zero wherever any of its disc is seen. Points without
-    /// normals are lit from all sides.
+    /// About how bright it makes surfaces at `p` by an intensity of this brightness; above zero wherever any of its disc is seen. Points
+    /// without normals are lit from all sides.
     #[inline(always)]
-    pub(super) fn contribution(&self, p: Vector<R>, normal: Option<Vector<R>>) -> R {
-        let one = p.x.all(1.0);
+    pub(super) fn contribution(&self, power: R, p: Vector<R>, normal: Option<Vector<R>>) -> R {
+        let (zero, one) = (p.x.all(0.0), p.x.all(1.0));
         let offset = self.position - p;
         let distance2 = offset.length_squared();
         let dir = offset.over(distance2.root());
@@ -87,10 +87,11 @@ impl<R: Real> DiscAt<R> {
         let across2 = distance2 + self.radius * self.radius;
         let (sin, straight) = (self.radius / across2.root(), (distance2 / across2).root());
         let along = -dir.dot(self.cone.axis);
-        let across = (one - along * along).or_more(one.all(0.0)).root();
+        let across = (one - along * along).or_more(zero).root();
         let nearest = R::pick(straight.above(along), along * straight + across * sin, one);
-        let found = self.cone.falloff(nearest) * above_horizon(cos, sin) / across2;
-        R::pick(found.is_number(), found, one.all(0.0))
+        let found = power * self.cone.falloff(nearest) * above_horizon(cos, sin) / across2;
+        let found = R::pick(found.is_number(), found, zero.all(f32::MAX.sqrt()));
+        R::pick(distance2.above(zero), found, zero)
     }
 
     /// Its light at `p` from a point of its disc by two numbers in [0, 1), uniform by area.

@@ -346,7 +346,7 @@ impl LightLanes {
                         *x = f32x16::splat(simd, row.0[k]);
                     }
                     if block.points >> k & 1 != 0 {
-                        *contribution = light[13] * DiscAt::of(&light).contribution(p, normal);
+                        *contribution = DiscAt::of(&light).contribution(light[13], p, normal);
                         continue;
                     }
                     let shape = shape_at(&light, light[13]);
@@ -379,7 +379,7 @@ impl LightLanes {
                 }
             }
             if *points != 0 {
-                let of_points = light[13] * DiscAt::of(&light).contribution(p, normal);
+                let of_points = DiscAt::of(&light).contribution(light[13], p, normal);
                 contributions[i] = Mask::from_bitmask(simd, *points).select(of_points, contributions[i]);
             }
         }

@@ -114,7 +114,7 @@ impl PointLight {
 
     /// About how bright it makes a surface at `p` that faces `ns` (zero: all sides); above zero wherever any of its disc is seen.
     pub(super) fn estimate(&self, p: Vec3, ns: Vec3) -> f32 {
-        self.power() * self.at().contribution(p.into(), (ns != Vec3::ZERO).then(|| ns.into()))
+        self.at().contribution(self.power(), p.into(), (ns != Vec3::ZERO).then(|| ns.into()))
     }
 
     /// The brightness of its intensity.
