@@ -33,7 +33,7 @@ const TILE: u32 = 32;
 const MOST_VERTICES: usize = 1 << 21;
 /// `auto` guides if the second moment of light falls to this share.
 const PAYS: f32 = 0.7;
-/// The moment falls by less with each doubling of the pilot's samples: a pilot that will not come down to [`PAYS`] is given up.
+/// The moment seldom falls by more with a doubling of the pilot's samples: a pilot that would have to, to come down to [`PAYS`], is given up.
 const FALLS: f32 = 0.08;
 /// Vertices by which that is judged.
 const ENOUGH: usize = 20_000;

@@ -38,7 +38,7 @@ pub(super) struct Seen<R: Real> {
     pub(super) there: R::Mask,
 }
 
-/// Numbers of a row: position, axis, cosine, scale and edge of the cone, radius.
+/// Length of a row: position, axis, cosine, scale and edge of the cone, radius.
 pub(super) const NUMBERS: usize = 10;
 
 impl ConeAt<f32> {

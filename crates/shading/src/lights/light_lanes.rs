@@ -338,7 +338,7 @@ impl LightLanes {
         let zero = f32x16::splat(simd, 0.0);
         let mut contributions = [zero; LANES];
         if let [block] = &self.blocks[..] {
-            // All are here: points side by side.
+            // All lights are here: lit places side by side.
             for (k, contribution) in contributions.iter_mut().enumerate() {
                 if block.columns[13].0[k] > 0.0 {
                     let mut light = [zero; 14];
