@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Metadata that crates.io requires of a crate: keywords, a page, the licence's text. //! the limits are
-//! those of crates.io.
+//! Metadata that crates.io requires of a crate: keywords, a page, the licence's text. The limits are those of crates.io.
 
 use std::path::Path;
 

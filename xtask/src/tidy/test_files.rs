@@ -1,10 +1,38 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Every test file is compiled: where `autotests = false`, cargo finds none by itself.
+//! Every test is compiled: where `autotests = false`, cargo finds no file by itself; where a library says `test = false`, it
+//! takes none from the library's sources.
 
 use super::files::SourceFile;
 
-/// Complains of files in `tests` that neither `tests/main.rs` nor a `[[test]]` of the manifest names.
+/// How the manifest of a library without tests of its own says so.
+const NO_UNIT_TESTS: &str = "[lib]\ntest = false\n";
+
+/// Complains of tests that nothing compiles.
 pub(super) fn check(files: &[SourceFile]) -> Vec<String> {
+    let mut complaints = forgotten_files(files);
+    complaints.extend(unit_tests(files));
+    complaints
+}
+
+/// Tests in the sources of libraries whose manifests say that there are none.
+fn unit_tests(files: &[SourceFile]) -> impl Iterator<Item = String> {
+    let manifests = files.iter().filter(|file| file.text.contains(NO_UNIT_TESTS));
+    manifests.filter_map(|file| file.path.strip_suffix("Cargo.toml")).flat_map(|package| {
+        let of_library = files.iter().filter(move |file| {
+            let source = file.path.strip_prefix(package).and_then(|path| path.strip_prefix("src/"));
+            source.is_some() && file.code.contains("#[test]")
+        });
+        of_library.map(move |file| {
+            format!(
+                "{}: it has tests; {package}Cargo.toml must not say `test = false` of the library",
+                file.path
+            )
+        })
+    })
+}
+
+/// Files in `tests` that neither `tests/main.rs` nor a `[[test]]` of the manifest names.
+fn forgotten_files(files: &[SourceFile]) -> Vec<String> {
     let text = |path: &str| files.iter().find(|file| file.path == path).map_or("", |file| &file.text);
     let mut complaints = Vec::new();
     for manifest in files.iter().filter(|file| file.text.lines().any(|line| line == "autotests = false")) {
@@ -47,5 +75,22 @@ mod tests {
         assert!(found[0].starts_with("crates/a/tests/forgotten.rs: "), "{found:?}");
         files.retain(|file| !file.path.ends_with("Cargo.toml"));
         assert!(check(&files).is_empty(), "cargo finds them where it may");
+    }
+    #[test]
+    fn unit_tests_that_are_not_run_are_found() {
+        let files = |manifest: &str| {
+            [
+                SourceFile::new("crates/a/Cargo.toml", manifest),
+                SourceFile::new(
+                    "crates/a/src/deep/part.rs",
+                    "#[cfg(test)]\nmod tests {\n    #[test]\n    fn one() {}\n}\n",
+                ),
+                SourceFile::new("crates/a/tests/main.rs", "#[test]\nfn two() {}\n"),
+            ]
+        };
+        let found = check(&files("[package]\n\n[lib]\ntest = false\n"));
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].starts_with("crates/a/src/deep/part.rs: "), "{found:?}");
+        assert!(check(&files("[package]\n")).is_empty(), "cargo runs them");
     }
 }
