@@ -224,7 +224,7 @@ fn the_mean_is_that_of_scattered_rays() {
         let mut of = below_a_lamp(if has_ball { 0.8 } else { 0.3 }, has_ball, spheres);
         // A pilot costs as much as 256 samples of each pixel, up to a limit: few pixels have few.
         let (width, height, samples, seeds, direct) = match has_ball {
-            true => (8, 8, [512, 256], 6, 0.1),
+            true => (8, 8, [128, 256], 6, 0.1),
             false => (16, 12, [1024, 48], 4, 0.96),
         };
         of.1 = match has_ball {
@@ -288,7 +288,7 @@ fn divided_pictures_have_the_same_bytes() {
     // A strip over the ball and its caustic: three tiles, and few pixels for pilots.
     let of = (world, camera([-3.0, -3.0, 3.0], [0.8, 0.4, 0.2], 3.0));
     for integrator in [Integrator::Path, Integrator::BidirectionalInstantRadiosity] {
-        let with = |caustics| RenderOptions { integrator, width: 48, height: 2, ..small(4, caustics) };
+        let with = |caustics| RenderOptions { integrator, width: 33, height: 1, ..small(4, caustics) };
         let whole = picture_of(&of, &with(Caustics::On), 1);
         let off = picture_of(&of, &with(Caustics::Off), 2);
         assert!(bits(&whole) != bits(&off), "searches are made");

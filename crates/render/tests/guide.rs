@@ -291,7 +291,7 @@ fn the_budget_holds() {
     let shining = scene.add_material(Material { emission: [0.1; 3], ..Material::matte("", [0.999; 3]) });
     cube(&mut scene, shining);
     let of = (world_of(&scene, true), camera([0.1, 0.2, 0.3], [1.0, 0.4, -0.2], 60.0));
-    let options = RenderOptions { max_depth: 40, ..path(150, 120, 1, Guiding::On) };
+    let options = RenderOptions { max_depth: 40, ..path(40, 30, 1, Guiding::On) };
     let frame = render(&of.0, &of.1, &options, &pool(1), &Silent).expect("sound");
     let guide = frame.stats.guide.expect("it was asked for");
     assert!(guide.vertices > 1 << 20, "more than a few: {guide}");
