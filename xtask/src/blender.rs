@@ -113,7 +113,7 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
 
 /// Renders scenes and nodes beside Cycles.
 fn judge() -> Result<(), Failure> {
-    command::run(command::cargo().args(["build", "--workspace", "--all-targets"]))?;
+    command::build_all()?;
     let target = Workspace::load()?.target;
     let built = target.join("debug/lib_gnurt.so");
     let module = command::root().join("bindings/python/python/gnurt/_gnurt.abi3.so");

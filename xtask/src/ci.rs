@@ -47,6 +47,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     })?;
 
     let readme_commands = readme::readme_commands()?;
+    // With the parts that later steps add: built after the tests, these would leave a core idle.
+    steps.run("build", command::build_all)?;
     steps.run("tests", || run_words(&readme_commands.test))?;
     steps.run("installed library", || installed::check(&[]))?;
     steps.run("first picture", || first_picture(&readme_commands))?;

@@ -21,6 +21,11 @@ pub(crate) fn cargo() -> Command {
     command
 }
 
+/// Builds what tests and checks run, with one choice of features: with another, half of the crates would be compiled again.
+pub(crate) fn build_all() -> Result<(), Failure> {
+    run(cargo().args(["build", "--workspace", "--all-targets"]))
+}
+
 /// Shows a command and runs it.
 pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
     let tokens: Vec<_> = [command.get_program()].into_iter().chain(command.get_args()).collect();

@@ -27,8 +27,7 @@ pub(crate) fn check(arguments: &[String]) -> Result<(), Failure> {
     if let Some(argument) = arguments.first() {
         return Err(format!("installed takes no arguments, not '{argument}'"));
     }
-    // All that the tests' build builds, and so with the same features of libraries: less would be compiled again.
-    command::run(command::cargo().args(["build", "--workspace", "--all-targets"]))?;
+    command::build_all()?;
     let target = Workspace::load()?.target;
     let built = target.join("debug");
     let to = target.join("installed");

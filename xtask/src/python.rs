@@ -3,7 +3,7 @@
 //! `--free-threaded [INTERPRETER]`: with a free-threaded interpreter, in a folder of their own (`free_threads`).
 //! The wheel itself is maturin's business (`pip install ./bindings/python`).
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::command;
@@ -31,9 +31,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         [option, interpreter] if option == "--free-threaded" => return free_threads::run(Some(interpreter)),
         _ => return Err("usage: python [--free-threaded [INTERPRETER]]".into()),
     }
-    // With the same features of libraries as the tests' build: otherwise half of the crates would be compiled
-    // again.
-    command::run(command::cargo().args(["build", "--workspace", "--all-targets"]))?;
+    command::build_all()?;
     let target = Workspace::load()?.target;
     let source = command::root().join("bindings/python");
     let built = target.join("debug/lib_gnurt.so");
@@ -44,17 +42,43 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     std::fs::copy(&built, &beside).map_err(|error| format!("{}: {error}", built.display()))?;
     let environment = target.join("python");
     let Some(python) = environment_with_packages(&environment) else { return Ok(()) };
-    let mut tests = Command::new(&python);
-    let options = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"];
-    command::run(
+    let tests = |files: &[PathBuf]| {
+        let mut tests = Command::new(&python);
+        tests.current_dir(&source).args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).args(files);
+        // Some tests start programs in other folders.
+        tests.env("PYTHONPATH", source.join("python")).env("GNURT", target.join("debug/gnurt"));
+        tests.env("PYTHONDONTWRITEBYTECODE", "1");
         tests
-            .current_dir(&source)
-            .args(options)
-            // Some tests start programs in other folders.
-            .env("PYTHONPATH", source.join("python"))
-            .env("GNURT", target.join("debug/gnurt"))
-            .env("PYTHONDONTWRITEBYTECODE", "1"),
-    )
+    };
+    let [one, other] = halves(&source.join("tests"))?;
+    // Most tests keep one core busy: two processes take three quarters of the time of one.
+    let mut others = tests(&other);
+    let others = std::thread::spawn(move || others.output());
+    let first = command::run(&mut tests(&one));
+    let second = others.join().map_err(|_| "the thread of the other half panicked")?;
+    let second = second.map_err(|error| format!("{}: {error}", python.display()))?;
+    eprint!("{}{}", String::from_utf8_lossy(&second.stdout), String::from_utf8_lossy(&second.stderr));
+    first?;
+    if second.status.success() { Ok(()) } else { Err("tests of the Python package failed".into()) }
+}
+
+/// The files of tests in a folder, every other one in each half.
+fn halves(folder: &Path) -> Result<[Vec<PathBuf>; 2], Failure> {
+    let entries = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut files: Vec<PathBuf> =
+        entries.flatten().map(|entry| entry.path()).filter(|path| is_test(path)).collect();
+    files.sort();
+    let mut halves = [Vec::new(), Vec::new()];
+    for (number, file) in files.into_iter().enumerate() {
+        halves[number % 2].push(file);
+    }
+    Ok(halves)
+}
+
+/// Whether pytest takes a file for one of tests.
+fn is_test(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    name.starts_with("test_") && name.ends_with(".py")
 }
 
 /// Installs the packages for the tests; the tests do so as well.
