@@ -1402,20 +1402,64 @@ def light_links():
     without.light_linking.blocker_collection = collection("shadows", ring)
 
 
+def profiled(lamp, kind, vertical, horizontal, candelas):
+    """Gives a lamp's light the directions of an IES profile of a type: 1 for C, 2 for B, 3 for A."""
+    rows = [" ".join(map(str, row)) for row in (vertical, horizontal, *candelas)]
+    head = f"1 1000 1.5 {len(vertical)} {len(horizontal)} {kind} 2 0 0 0"
+    lamp.data.use_nodes = True
+    tree = lamp.data.node_tree
+    source, words = tree.nodes.new("ShaderNodeTexIES"), bpy.data.texts.new("profile")
+    words.write("\n".join(["IESNA:LM-63-2002", "TILT=NONE", head, "1 1 50", *rows]))
+    source.ies, source.inputs["Strength"].default_value = words, 2.0
+    tree.links.new(source.outputs[0], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Strength"])
+
+
 @scene
 def profiles():
     """Lights whose strength an IES profile gives by direction."""
     stage()
     vertical, horizontal = range(0, 91, 10), (0, 90, 180, 270, 360)
     candelas = [[(1000 - 10 * v) * (1 + 0.8 * math.sin(math.radians(h))) for v in vertical] for h in horizontal]
-    rows = [" ".join(map(str, row)) for row in (vertical, horizontal, *candelas)]
-    text = "\n".join(["IESNA:LM-63-2002", "TILT=NONE", f"1 1000 1.5 {len(vertical)} {len(horizontal)} 1 2 0 0 0", "1 1 50", *rows])
     for kind, where, turn in (("POINT", (-2, -2, 3), (0.4, 0.2, 0.5)), ("AREA", (2, -3, 3), (0.5, 0.3, 0))):
         lamp = light(kind, where, 3, **({"shadow_soft_size": 0.1} if kind == "POINT" else {"size": 0.5}))
         lamp.rotation_euler = turn
-        lamp.data.use_nodes = True
-        tree = lamp.data.node_tree
-        source, words = tree.nodes.new("ShaderNodeTexIES"), bpy.data.texts.new("profile")
-        words.write(text)
-        source.ies, source.inputs["Strength"].default_value = words, 2.0
-        tree.links.new(source.outputs[0], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Strength"])
+        profiled(lamp, 1, vertical, horizontal, candelas)
+
+
+def of_profile(kind, vertical, horizontal):
+    """A floor below one light of a profile whose candelas differ by both angles."""
+    floor()
+    camera()
+    lamp = light("POINT", (0, 0, 2), 3, shadow_soft_size=0.1)
+    lamp.rotation_euler = (0.4, 0.2, 0.5)
+    profiled(lamp, kind, vertical, horizontal, [[300 + 5 * v + 2 * h + 200 * math.sin(0.05 * v * h) for v in vertical] for h in horizontal])
+
+
+@scene
+def profile_of_a_quarter():
+    of_profile(1, range(0, 181, 20), (0, 30, 60, 90))
+
+
+@scene
+def profile_of_a_half():
+    of_profile(1, range(0, 91, 15), (90, 150, 210, 270))
+
+
+@scene
+def profile_without_an_end():
+    of_profile(1, range(10, 81, 10), range(0, 360, 40))
+
+
+@scene
+def profile_of_type_b():
+    of_profile(2, range(-90, 91, 30), range(0, 91, 15))
+
+
+@scene
+def profile_of_type_a():
+    of_profile(3, range(-90, 91, 20), range(0, 91, 30))
+
+
+@scene
+def profile_of_type_a_whole():
+    of_profile(3, range(-90, 91, 30), range(-60, 91, 30))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """IES profiles of lights: the light that a luminaire gives off by direction, as a picture of angles.
 
-Source: IESNA LM-63. Angles go from the light's -z, and around it from its -y over -x. Blender's factor is the candelas times 4 pi / 177.83.
+Source: IESNA LM-63; types and ends of angles as in Cycles 5.0. Angles go from the light's -z, and around it from its -y over -x. Blender's factor is the candelas times 4 pi / 177.83.
 """
 
 import math
@@ -16,7 +16,7 @@ LUMENS_PER_WATT = 177.83
 
 
 class Profile:
-    """Candelas by vertical and horizontal angles in degrees."""
+    """Candelas by vertical and horizontal angles in degrees, in the frame of type C."""
 
     def __init__(self, text):
         found = re.search(r"^\s*TILT\s*=\s*(\S+).*$", text, re.M)
@@ -27,37 +27,83 @@ class Profile:
             numbers = numbers[2 + 2 * int(numbers[1]) :] if len(numbers) > 1 else []
         if len(numbers) < 13:
             raise ValueError("it is too short")
-        nv, nh, self.kind = (int(x) for x in numbers[3:6])
+        nv, nh, kind = (int(x) for x in numbers[3:6])
         factor = numbers[2] * numbers[10] * numbers[11]
-        self.vertical, self.horizontal = np.array(numbers[13 : 13 + nv]), np.array(numbers[13 + nv : 13 + nv + nh])
+        vertical, horizontal = np.array(numbers[13 : 13 + nv]), np.array(numbers[13 + nv : 13 + nv + nh])
         values = numbers[13 + nv + nh : 13 + nv + nh + nv * nh]
         if nv < 1 or nh < 1 or len(values) != nv * nh:
             raise ValueError(f"it has {len(values)} values for {nv} x {nh} angles")
-        self.candelas = np.array(values).reshape(nh, nv) * factor
+        if kind not in KINDS:
+            raise ValueError(f"its type is {kind}, not 1, 2 or 3")
+        self.vertical, self.horizontal, self.candelas = KINDS[kind](vertical, horizontal, np.array(values).reshape(nh, nv) * factor)
 
     def picture(self):
-        """All directions, a degree each: (181, 361), vertical angles down, horizontal ones to the right."""
+        """All directions, a degree each: (181, 361), vertical angles down, horizontal ones to the right; dark where the profile has no angles."""
         v, h = np.arange(181.0), np.arange(361.0)
-        last = self.horizontal[-1]
-        if len(self.horizontal) == 1:
-            h[:] = self.horizontal[0]
-        elif last == 90:
-            h = np.where(h > 180, 360 - h, h)
-            h = np.where(h > 90, 180 - h, h)
-        elif last == 180:
-            h = np.where(h > 180, 360 - h, h)
-        inside = (v >= self.vertical[0]) & (v <= self.vertical[-1])
-        rows = np.where(inside, cubic(v, self.vertical, self.candelas, "reflect"), 0.0)
-        return np.maximum(cubic(h, self.horizontal, rows.T, "wrap" if last == 360 else "reflect"), 0.0)
+        # Beyond the pole below lies its other side; elsewhere the ends are repeated.
+        below = 1 if self.vertical[0] == 0 and len(self.vertical) > 1 else 0
+        rows = cubic(v, self.vertical, self.candelas, (below, -1))
+        # Cycles takes the neighbours of the first and the last cell from these cells themselves, and so do we, though a full turn has
+        # others.
+        found = np.maximum(cubic(h, self.horizontal, rows.T, (0, -2)), 0.0)
+        return found * np.outer(within(v, self.vertical), within(h, self.horizontal))
+
+
+def within(at, knots):
+    """The share of each texel between the first and the last knot; the ends of all angles are no edges."""
+    low = np.clip(at - knots[0] + 0.5, 0.0, 1.0) if knots[0] > at[0] else 1.0
+    high = np.clip(knots[-1] - at + 0.5, 0.0, 1.0) if knots[-1] < at[-1] else 1.0
+    return low * high * np.ones_like(at)
+
+
+def as_type_c(vertical, horizontal, candelas):
+    """Horizontal angles of a full turn, from a quarter or a half of it, too, and from turns without their end."""
+    if horizontal[0] == 90:
+        horizontal = horizontal - 90
+    if len(horizontal) == 1:
+        return vertical, np.array([0.0, 360.0]), np.concatenate([candelas, candelas])
+    for last in (90, 180):
+        if horizontal[-1] == last:
+            horizontal = np.concatenate([horizontal, 2 * last - horizontal[-2::-1]])
+            candelas = np.concatenate([candelas, candelas[-2::-1]])
+    steps = np.diff(horizontal)
+    if horizontal[0] == 0 and horizontal[-1] < 360 and np.isclose([steps[0], steps[-1]], 360 - horizontal[-1], atol=1e-4).any():
+        horizontal, candelas = np.append(horizontal, 360.0), np.concatenate([candelas, candelas[:1]])
+    return vertical, horizontal, candelas
+
+
+def as_type_b(vertical, horizontal, candelas):
+    """Poles lie aside: the angles change their parts, as in Cycles, and the light is to be turned."""
+    around, rows = mirrored(vertical, candelas.T)
+    down, columns = mirrored(horizontal, rows.T)
+    return down, around, columns.T
+
+
+def as_type_a(vertical, horizontal, candelas):
+    """Angles from -90 to 90 across; they go around the other way than those of type C."""
+    if horizontal[0] == 0:
+        around, rows = mirrored(horizontal, candelas)
+        return vertical + 90, around + 90, rows
+    return vertical + 90, 180 - horizontal[::-1], candelas[::-1]
+
+
+def mirrored(angles, rows):
+    """Angles from -90 to 90 as those from 0 to 180; rows from 0 on stand for both sides."""
+    if angles[0] != 0:
+        return angles + 90, rows
+    return np.concatenate([90 - angles[:0:-1], 90 + angles]), np.concatenate([rows[:0:-1], rows])
+
+
+# By the number in a file.
+KINDS = {1: as_type_c, 2: as_type_b, 3: as_type_a}
 
 
 def cubic(at, knots, rows, beyond):
-    """Rows of values at knots, interpolated by the splines of Catmull and Rom as Cycles does; `beyond` the ends they are reflected or go round."""
+    """Rows of values at knots, interpolated by the splines of Catmull and Rom; `beyond` the ends stand the values of two knots."""
     if len(knots) == 1:
         return np.repeat(rows, len(at), axis=1)
-    padded = np.concatenate([rows[:, 1:2], rows, rows[:, -2:-1]], axis=1)
-    if beyond == "wrap":
-        padded[:, 0], padded[:, -1] = rows[:, -2], rows[:, 1]
+    first, last = beyond
+    padded = np.concatenate([rows[:, [first]], rows, rows[:, [last]]], axis=1)
     cell = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
     t = np.clip((at - knots[cell]) / np.maximum(knots[cell + 1] - knots[cell], 1e-9), 0.0, 1.0)
     a, b, c, d = (padded[:, cell + k] for k in range(4))
@@ -80,8 +126,6 @@ def profile(p):
     except (OSError, ValueError, OverflowError) as error:
         p.warn(f"the profile is not shown: {error}")
         return {"Fac": ("float", "0.0")}
-    if found.kind != 1:
-        p.warn("the profile's angles are shown as those of type C")
     picture = found.picture() * (4 * math.pi / LUMENS_PER_WATT)
     number = code.host.export.scene.add_texture(picture.astype(np.float32)[..., None], name=p.node.name, colorspace="linear")
     name = f"profile{number}"
