@@ -33,6 +33,10 @@ class Profile:
         values = numbers[13 + nv + nh : 13 + nv + nh + nv * nh]
         if nv < 1 or nh < 1 or len(values) != nv * nh:
             raise ValueError(f"it has {len(values)} values for {nv} x {nh} angles")
+        if not np.isfinite(numbers).all():
+            raise ValueError("some of its numbers are not finite")
+        if any((np.diff(angles) < 0).any() for angles in (vertical, horizontal)):
+            raise ValueError("its angles do not ascend")
         if kind not in KINDS:
             raise ValueError(f"its type is {kind}, not 1, 2 or 3")
         self.vertical, self.horizontal, self.candelas = KINDS[kind](vertical, horizontal, np.array(values).reshape(nh, nv) * factor)
