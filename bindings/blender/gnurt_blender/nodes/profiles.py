@@ -22,7 +22,7 @@ class Profile:
         found = re.search(r"^\s*TILT\s*=\s*(\S+).*$", text, re.M)
         if not found:
             raise ValueError("there is no TILT line")
-        numbers = [float(x) for x in re.split(r"[\s,]+", text[found.end() :].strip()) if x]
+        numbers = leading_numbers(text[found.end() :])
         if found.group(1).upper() == "INCLUDE":
             numbers = numbers[2 + 2 * int(numbers[1]) :] if len(numbers) > 1 else []
         if len(numbers) < 13:
@@ -51,6 +51,17 @@ class Profile:
         # others.
         found = np.maximum(cubic(h, self.horizontal, rows.T, (0, -2)), 0.0)
         return found * np.outer(within(v, self.vertical), within(h, self.horizontal))
+
+
+def leading_numbers(text):
+    """The numbers up to the first other word: some files end with a mark of old systems."""
+    numbers = []
+    for word in re.split(r"[\s,]+", text.strip()):
+        try:
+            numbers.append(float(word))
+        except ValueError:
+            break
+    return numbers
 
 
 def within(at, knots):
