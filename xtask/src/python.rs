@@ -3,7 +3,7 @@
 //! `--free-threaded [INTERPRETER]`: with a free-threaded interpreter, in a folder of their own (`free_threads`).
 //! The wheel itself is maturin's business (`pip install ./bindings/python`).
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use crate::command;
@@ -42,43 +42,36 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     std::fs::copy(&built, &beside).map_err(|error| format!("{}: {error}", built.display()))?;
     let environment = target.join("python");
     let Some(python) = environment_with_packages(&environment) else { return Ok(()) };
-    let tests = |files: &[PathBuf]| {
+    let tests = || {
         let mut tests = Command::new(&python);
-        tests.current_dir(&source).args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).args(files);
+        tests.current_dir(&source).args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]);
         // Some tests start programs in other folders.
         tests.env("PYTHONPATH", source.join("python")).env("GNURT", target.join("debug/gnurt"));
         tests.env("PYTHONDONTWRITEBYTECODE", "1");
         tests
     };
-    let [one, other] = halves(&source.join("tests"))?;
     // Most tests keep one core busy: two processes take three quarters of the time of one.
-    let mut others = tests(&other);
-    let others = std::thread::spawn(move || others.output());
-    let first = command::run(&mut tests(&one));
-    let second = others.join().map_err(|_| "the thread of the other half panicked")?;
-    let second = second.map_err(|error| format!("{}: {error}", python.display()))?;
-    eprint!("{}{}", String::from_utf8_lossy(&second.stdout), String::from_utf8_lossy(&second.stderr));
-    first?;
-    if second.status.success() { Ok(()) } else { Err("tests of the Python package failed".into()) }
+    let half = every_other_test(&source.join("tests"))?;
+    let (mut beside, mut others) = (tests(), tests());
+    beside.args(&half);
+    others.arg("tests").args(half.iter().map(|name| format!("--ignore={name}")));
+    let beside = std::thread::spawn(move || beside.output());
+    let others = command::run(&mut others);
+    let beside = beside.join().map_err(|_| "the thread of half of the tests panicked")?;
+    let beside = beside.map_err(|error| format!("{}: {error}", python.display()))?;
+    eprint!("{}{}", String::from_utf8_lossy(&beside.stdout), String::from_utf8_lossy(&beside.stderr));
+    others?;
+    if beside.status.success() { Ok(()) } else { Err(format!("tests failed: {}", half.join(" "))) }
 }
 
-/// The files of tests in a folder, every other one in each half.
-fn halves(folder: &Path) -> Result<[Vec<PathBuf>; 2], Failure> {
+/// Every other file of tests, from the folder above theirs.
+fn every_other_test(folder: &Path) -> Result<Vec<String>, Failure> {
     let entries = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut files: Vec<PathBuf> =
-        entries.flatten().map(|entry| entry.path()).filter(|path| is_test(path)).collect();
+    let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
+    let mut files: Vec<String> =
+        names.filter(|name| name.starts_with("test_") && name.ends_with(".py")).collect();
     files.sort();
-    let mut halves = [Vec::new(), Vec::new()];
-    for (number, file) in files.into_iter().enumerate() {
-        halves[number % 2].push(file);
-    }
-    Ok(halves)
-}
-
-/// Whether pytest takes a file for one of tests.
-fn is_test(path: &Path) -> bool {
-    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    name.starts_with("test_") && name.ends_with(".py")
+    Ok(files.iter().step_by(2).map(|name| format!("tests/{name}")).collect())
 }
 
 /// Installs the packages for the tests; the tests do so as well.

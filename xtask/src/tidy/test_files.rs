@@ -4,9 +4,6 @@
 
 use super::files::SourceFile;
 
-/// How the manifest of a library without tests of its own says so.
-const NO_UNIT_TESTS: &str = "[lib]\ntest = false\n";
-
 /// Complains of tests that nothing compiles.
 pub(super) fn check(files: &[SourceFile]) -> Vec<String> {
     let mut complaints = forgotten_files(files);
@@ -16,7 +13,7 @@ pub(super) fn check(files: &[SourceFile]) -> Vec<String> {
 
 /// Tests in the sources of libraries whose manifests say that there are none.
 fn unit_tests(files: &[SourceFile]) -> impl Iterator<Item = String> {
-    let manifests = files.iter().filter(|file| file.text.contains(NO_UNIT_TESTS));
+    let manifests = files.iter().filter(|file| is_without_unit_tests(&file.text));
     manifests.filter_map(|file| file.path.strip_suffix("Cargo.toml")).flat_map(|package| {
         let of_library = files.iter().filter(move |file| {
             let source = file.path.strip_prefix(package).and_then(|path| path.strip_prefix("src/"));
@@ -29,6 +26,12 @@ fn unit_tests(files: &[SourceFile]) -> impl Iterator<Item = String> {
             )
         })
     })
+}
+
+/// Whether a manifest says `test = false` of its library.
+fn is_without_unit_tests(manifest: &str) -> bool {
+    let of_library = manifest.lines().skip_while(|line| *line != "[lib]").skip(1);
+    of_library.take_while(|line| !line.starts_with('[')).any(|line| line == "test = false")
 }
 
 /// Files in `tests` that neither `tests/main.rs` nor a `[[test]]` of the manifest names.
@@ -91,6 +94,15 @@ mod tests {
         let found = check(&files("[package]\n\n[lib]\ntest = false\n"));
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].starts_with("crates/a/src/deep/part.rs: "), "{found:?}");
+        assert_eq!(
+            check(&files("[lib]\nname = \"b\"\ntest = false\n\n[lints]\n")).len(),
+            1,
+            "after other keys"
+        );
         assert!(check(&files("[package]\n")).is_empty(), "cargo runs them");
+        assert!(
+            check(&files("[lib]\n\n[[bin]]\ntest = false\n")).is_empty(),
+            "the program has none, the library may"
+        );
     }
 }
