@@ -123,6 +123,13 @@ def filled(made, kind, **inputs):
     return made
 
 
+def emission_of(lamp):
+    """The tree of a light, made here, and its emission."""
+    lamp.data.use_nodes = True
+    tree = lamp.data.node_tree
+    return tree, next(n for n in tree.nodes if n.type == "EMISSION")
+
+
 def nodes_of(made):
     """The tree of a material, its output and its shader."""
     tree = made.node_tree

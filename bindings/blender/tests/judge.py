@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders scenes with GNU RT and Cycles at equal light, and compares the means of pictures, objects and blocks.
+"""Renders scenes with GNU RT and Cycles at equal light, and compares the means of pictures, channels and objects.
 
-Differences of blocks of pixels are shown, not judged: by how much the worst one lies beyond noise. A mean of a whole picture hides hair of twice the width.
+The worst block of pixels of each channel is printed and not judged: means of whole pictures hide faults that lie in a part of them.
 
 Usage: python judge.py [--samples N] [--out FOLDER] [SCENE ...]
 """
@@ -20,22 +20,21 @@ BAR = 0.03
 BLOCK = 16
 
 
-def blocks(difference, level):
-    """The largest differences of blocks as shares of their brightness, what noise may make of them taken away.
+def worst_block(ours, theirs):
+    """The largest difference of a block of one channel beyond its noise, as a share of the block's brightness, and its top and left.
 
-    `difference` and `level` have the shape of one channel of a picture. Noise is estimated from neighbours: what differs from pixel
-    to pixel in the difference of two pictures of one scene.
+    Noise is four standard errors of the mean, from differences between neighbours in the difference of both pictures.
     """
-    found = []
-    floor = 0.1 * max(level.mean(), 1e-3)
+    difference, found = ours - theirs, []
+    floor = 0.1 * max(theirs.mean(), 1e-3)
     for top in range(0, difference.shape[0] - BLOCK + 1, BLOCK):
         for left in range(0, difference.shape[1] - BLOCK + 1, BLOCK):
             of = slice(top, top + BLOCK), slice(left, left + BLOCK)
             steps = np.diff(difference[of], axis=0)
             noise = np.sqrt((steps**2).mean() / 2) / BLOCK
             beyond = max(abs(difference[of].mean()) - 4 * noise, 0)
-            found.append((beyond / max(level[of].mean(), floor), top, left))
-    return max(found, default=(0, 0, 0))
+            found.append((beyond / max(theirs[of].mean(), floor), top, left))
+    return max(found)
 
 
 def judge(name, samples, out):
@@ -47,7 +46,7 @@ def judge(name, samples, out):
     theirs = render("CYCLES", samples)
     seconds = middle - began, time.monotonic() - middle
     parts = np.zeros(ours.shape[:2], int) if bpy.context.scene.get("means only") else mask()
-    worst, within, lines = 0.0, 0.0, []
+    worst, block, lines = 0.0, 0.0, []
 
     def compare(what, a, b):
         nonlocal worst
@@ -64,12 +63,12 @@ def judge(name, samples, out):
         a, b = ours[..., channel], theirs[..., channel]
         if channel < 3:
             compare(colour, a, b)
-        share, top, left = blocks(a - b, b)
+        share, top, left = worst_block(a, b)
         lines.append(f"{colour} {100 * share:.1f} % at {left},{top}")
-        within = max(within, share)
+        block = max(block, share)
     if out:
         png(out / f"{name}.png", ours, theirs)
-    return worst, within, lines, seconds
+    return worst, block, lines, seconds
 
 
 def main():
@@ -82,11 +81,11 @@ def main():
         given.out.mkdir(parents=True, exist_ok=True)
     failed = 0
     for name in given.scenes or SCENES:
-        worst, within, lines, seconds = judge(name, given.samples, given.out)
+        worst, block, lines, seconds = judge(name, given.samples, given.out)
         failed += worst > BAR
         for line in bpy.context.scene.gnurt.warnings.splitlines():
             print("     warned:", line)
-        print(f"{'ok  ' if worst <= BAR else 'FAIL'} {name:18} {100 * worst:5.2f} % {100 * within:5.1f} %  {seconds[0]:.1f} s / {seconds[1]:.1f} s  {' '.join(lines)}", flush=True)
+        print(f"{'ok  ' if worst <= BAR else 'FAIL'} {name:18} {100 * worst:5.2f} % {100 * block:5.1f} %  {seconds[0]:.1f} s / {seconds[1]:.1f} s  {' '.join(lines)}", flush=True)
     print(f"{failed} of {len(given.scenes or SCENES)} scenes beyond {100 * BAR:.0f} %")
     return int(failed > 0)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes of the judge for single nodes: toon, hair, ambient occlusion, light paths, points and particles."""
 
-from common import background, bpy, camera, floor, light, material, nodes_of, np, shape
+from common import background, bpy, camera, emission_of, floor, light, material, nodes_of, np, shape
 from scenes import balls, lit, scene, stage, tuft
 
 
@@ -227,13 +227,11 @@ def falloffs_of_areas():
         ((2.5, -2, 2), "Quadratic", 150.0, {"size": 0.5, "color": (1, 0.7, 0.4)}),
         ((0, -3, 4), "Constant", 12.0, {"shape": "DISK", "size": 0.8}),
     ):
-        lamp = light("AREA", where, 1.0, **settings)
-        lamp.data.use_nodes = True
-        tree = lamp.data.node_tree
+        tree, emission = emission_of(light("AREA", where, 1.0, **settings))
         node = tree.nodes.new("ShaderNodeLightFalloff")
         node.inputs["Strength"].default_value = strength
         node.inputs["Smooth"].default_value = 0.0 if name == "Linear" else 2.0
-        tree.links.new(node.outputs[name], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Strength"])
+        tree.links.new(node.outputs[name], emission.inputs["Strength"])
 
 
 @scene

@@ -4,7 +4,7 @@
 import math
 import random
 
-from common import add, background, bpy, camera, filled, floor, light, material, nodes_of, np, shape
+from common import add, background, bpy, camera, emission_of, filled, floor, light, material, nodes_of, np, shape
 
 SCENES = {}
 
@@ -699,9 +699,7 @@ def holdout():
 @scene
 def light_nodes():
     stage()
-    lamp = light("AREA", (2, -3, 4), 300, size=2)
-    lamp.data.use_nodes = True
-    shader = next(n for n in lamp.data.node_tree.nodes if n.type == "EMISSION")
+    _, shader = emission_of(light("AREA", (2, -3, 4), 300, size=2))
     shader.inputs["Color"].default_value, shader.inputs["Strength"].default_value = (1, 0.4, 0.2, 1), 0.7
 
 
@@ -714,13 +712,11 @@ def falloffs():
         ("POINT", (2.5, -2, 2), "Quadratic", 150.0, {"shadow_soft_size": 0.2, "color": (1, 0.7, 0.4)}),
         ("SPOT", (0, -3, 4), "Constant", 12.0, {"shadow_soft_size": 0.1, "spot_size": 0.9}),
     ):
-        lamp = light(kind, where, 1.0, **settings)
-        lamp.data.use_nodes = True
-        tree = lamp.data.node_tree
+        tree, emission = emission_of(light(kind, where, 1.0, **settings))
         node = tree.nodes.new("ShaderNodeLightFalloff")
         node.inputs["Strength"].default_value = strength
         node.inputs["Smooth"].default_value = 0.0 if name == "Linear" else 2.0
-        tree.links.new(node.outputs[name], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Strength"])
+        tree.links.new(node.outputs[name], emission.inputs["Strength"])
 
 
 @scene
@@ -1406,12 +1402,11 @@ def profiled(lamp, kind, vertical, horizontal, candelas):
     """Gives a lamp's light the directions of an IES profile of a type: 1 for C, 2 for B, 3 for A."""
     rows = [" ".join(map(str, row)) for row in (vertical, horizontal, *candelas)]
     head = f"1 1000 1.5 {len(vertical)} {len(horizontal)} {kind} 2 0 0 0"
-    lamp.data.use_nodes = True
-    tree = lamp.data.node_tree
+    tree, emission = emission_of(lamp)
     source, words = tree.nodes.new("ShaderNodeTexIES"), bpy.data.texts.new("profile")
     words.write("\n".join(["IESNA:LM-63-2002", "TILT=NONE", head, "1 1 50", *rows]))
     source.ies, source.inputs["Strength"].default_value = words, 2.0
-    tree.links.new(source.outputs[0], next(n for n in tree.nodes if n.type == "EMISSION").inputs["Strength"])
+    tree.links.new(source.outputs[0], emission.inputs["Strength"])
 
 
 @scene
