@@ -23,6 +23,8 @@ class Profile:
         if not found:
             raise ValueError("there is no TILT line")
         numbers = leading_numbers(text[found.end() :])
+        if not np.isfinite(numbers).all():
+            raise ValueError("some of its numbers are not finite")
         if found.group(1).upper() == "INCLUDE":
             numbers = numbers[2 + 2 * int(numbers[1]) :] if len(numbers) > 1 else []
         if len(numbers) < 13:
@@ -33,8 +35,6 @@ class Profile:
         values = numbers[13 + nv + nh : 13 + nv + nh + nv * nh]
         if nv < 1 or nh < 1 or len(values) != nv * nh:
             raise ValueError(f"it has {len(values)} values for {nv} x {nh} angles")
-        if not np.isfinite(numbers).all():
-            raise ValueError("some of its numbers are not finite")
         if any((np.diff(angles) < 0).any() for angles in (vertical, horizontal)):
             raise ValueError("its angles do not ascend")
         if kind not in KINDS:
@@ -44,7 +44,7 @@ class Profile:
     def picture(self):
         """All directions, a degree each: (181, 361), vertical angles down, horizontal ones to the right; dark where the profile has no angles."""
         v, h = np.arange(181.0), np.arange(361.0)
-        # Beyond the pole below lies its other side; elsewhere the ends are repeated.
+        # At the pole below the light the spline goes on to the other side; elsewhere the end is repeated.
         below = 1 if self.vertical[0] == 0 and len(self.vertical) > 1 else 0
         rows = cubic(v, self.vertical, self.candelas, (below, -1))
         # Cycles takes the neighbours of the first and the last cell from these cells themselves, and so do we, though a full turn has
@@ -54,9 +54,9 @@ class Profile:
 
 
 def leading_numbers(text):
-    """The numbers up to the first other word: some files end with a mark of old systems."""
+    """The numbers up to the first other word: some files end with the character 0x1A."""
     numbers = []
-    for word in re.split(r"[\s,]+", text.strip()):
+    for word in re.findall(r"[^\s,]+", text):
         try:
             numbers.append(float(word))
         except ValueError:
@@ -65,14 +65,14 @@ def leading_numbers(text):
 
 
 def within(at, knots):
-    """The share of each texel between the first and the last knot; the ends of all angles are no edges."""
+    """The share of each texel that lies between the first and the last knot; where `at` ends, there is no edge."""
     low = np.clip(at - knots[0] + 0.5, 0.0, 1.0) if knots[0] > at[0] else 1.0
     high = np.clip(knots[-1] - at + 0.5, 0.0, 1.0) if knots[-1] < at[-1] else 1.0
     return low * high * np.ones_like(at)
 
 
 def as_type_c(vertical, horizontal, candelas):
-    """Horizontal angles of a full turn, from a quarter or a half of it, too, and from turns without their end."""
+    """Horizontal angles of a full turn, from those of a quarter, a half, or a turn without its end."""
     if horizontal[0] == 90:
         horizontal = horizontal - 90
     if len(horizontal) == 1:
@@ -88,14 +88,14 @@ def as_type_c(vertical, horizontal, candelas):
 
 
 def as_type_b(vertical, horizontal, candelas):
-    """Poles lie aside: the angles change their parts, as in Cycles, and the light is to be turned."""
+    """The poles of type B lie at the sides: vertical and horizontal angles are swapped, and the user turns the light, as in Cycles."""
     around, rows = mirrored(vertical, candelas.T)
     down, columns = mirrored(horizontal, rows.T)
     return down, around, columns.T
 
 
 def as_type_a(vertical, horizontal, candelas):
-    """Angles from -90 to 90 across; they go around the other way than those of type C."""
+    """Horizontal angles from -90 to 90, which go around in the opposite direction to those of type C."""
     if horizontal[0] == 0:
         around, rows = mirrored(horizontal, candelas)
         return vertical + 90, around + 90, rows
@@ -138,7 +138,7 @@ def profile(p):
     code = p.code
     try:
         found = Profile(text_of(p))
-    except (OSError, ValueError, OverflowError) as error:
+    except (OSError, ValueError) as error:
         p.warn(f"the profile is not shown: {error}")
         return {"Fac": ("float", "0.0")}
     picture = found.picture() * (4 * math.pi / LUMENS_PER_WATT)
