@@ -100,7 +100,16 @@ def of_curves(curves):
     # Where each curve begins, and where the last one ends.
     offsets = np.empty(len(curves.curve_offset_data), np.int32)
     curves.curve_offset_data.foreach_get("value", offsets)
-    return Strands(positions, radii, np.diff(offsets), lambda: meshes.flat(curves.normals, "vector", np.float32, 3))
+    return Strands(positions, radii, np.diff(offsets), lambda: normals_of(curves))
+
+
+def normals_of(curves):
+    """Normals of all points, (n, 3).
+
+    Blender makes them for an iteration and frees them at its end: `foreach_get` reads them after that, and so would a vector that is kept.
+    """
+    numbers = chain.from_iterable(item.vector[:] for item in curves.normals)
+    return np.fromiter(numbers, np.float32, count=3 * len(curves.points)).reshape(-1, 3)
 
 
 def of_particles(evaluated, system, matrix):
