@@ -653,6 +653,40 @@ def transparent_film():
     bpy.context.scene.render.film_transparent = True
 
 
+@scene
+def transparent_surfaces():
+    """Over nothing: a part of a surface, colours that light passes in, and glass, which covers."""
+    half = material("half", "ShaderNodeBsdfDiffuse", Color=(0.7, 0.3, 0.2))
+    tree, output, shader = nodes_of(half)
+    mix, clear = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBsdfTransparent")
+    mix.inputs[0].default_value = 0.6
+    tree.links.new(shader.outputs[0], mix.inputs[1])
+    tree.links.new(clear.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    pane = material("pane", "ShaderNodeBsdfTransparent", Color=(0.3, 0.8, 0.4))
+    shape("plane", (-1.2, 0.3, 1), half, size=1.6, rotation=(1.3, 0, 0))
+    shape("plane", (-0.4, -0.6, 1), pane, size=1.4, rotation=(1.3, 0, 0.3))
+    shape("uv_sphere", (1.4, 0, 1), material("glass", "ShaderNodeBsdfGlass", IOR=1.3), smooth=True, radius=0.7)
+    camera((0, -6, 1.5), (0, 0, 1), 45)
+    light("AREA", (2, -4, 6), 600, size=3)
+    background(0.4, 0.5, 0.7)
+    bpy.context.scene.render.film_transparent = True
+
+
+@scene
+def transparent_media():
+    """Over nothing: smoke and fire."""
+    cloud = filled("smoke", "ShaderNodeVolumePrincipled", Color=(0.8, 0.6, 0.5), Density=2.0)
+    burning = filled("fire", "ShaderNodeVolumePrincipled", Color=(0.5, 0.5, 0.5), Density=0.5, Emission_Strength=0.8, Emission_Color=(1, 0.4, 0.1))
+    for x, made in ((-1.2, cloud), (1.2, burning)):
+        shape("cube", (x, 0, 1), made, size=1.4, rotation=(0, 0, 0.4))
+    camera((0, -6, 1.5), (0, 0, 1), 45)
+    light("AREA", (2, -4, 6), 600, size=3)
+    background(0.4, 0.5, 0.7)
+    bpy.context.scene.render.film_transparent = True
+    bpy.context.scene["means only"] = True
+
+
 def catching(transparent):
     """The floor and the cube catch the shadows of a ball and a ring, coloured by two lamps."""
     stage()

@@ -3,7 +3,7 @@
 //! of the field have them. Albedo and normals are means over the samples; position, depths and ids are those
 //! of the first sample, because their means are meaningless. `variance` is that of the colour's mean.
 //! `unscattered` is the unscattered part of the colour, from lights and environment seen by camera rays, if the
-//! integrator provides it (`path`). `background` is the radiance of rays that hit nothing, and the light that
+//! integrator provides it (`path`). `background` is the background's radiance straight through transparent surfaces and media, and the light that
 //! shadow catchers let through. A shadow catcher has the opacity that gives its darkness, with black as its
 //! colour; coloured light from other objects is added [PD84]. Space: world. Depth is the distance from the
 //! eye, Z the distance along the view.
@@ -11,9 +11,9 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use gnurt_accel::INVALID_ID;
 use gnurt_shading::Vec3s;
 
+use crate::behind::Behind;
 use crate::first_hit::{FirstHit, NOTHING};
 use crate::held::Held;
 use crate::seen::TileSeen;
@@ -90,16 +90,11 @@ impl TileAovs {
             (0..3).for_each(|k| sum[k] += f64::from(direct[k]));
             sum[3] += f64::from(share);
         };
-        let is_veiled = |lane: usize| tracer.veiled.get(lane).copied().unwrap_or(false);
         for lane in range.clone() {
             let hole = Held::of(&tracer.held, lane).share;
-            let missed = &mut self.missed[lane - first];
-            if hole > 0.0 {
-                // The light of a surface with a hole is not of the background.
-                add(missed, Vec3::ZERO, hole);
-            } else if camera.hits.prim_id[lane] == INVALID_ID && !is_veiled(lane) {
-                add(missed, radiance.get(lane), 1.0);
-            }
+            let Behind { light, share } = Behind::of(&tracer.behind, (camera.hits, radiance), lane);
+            // The light of a surface with a hole is not of the background.
+            add(&mut self.missed[lane - first], light, share + hole);
         }
         tracer.for_each_surface_in(range, camera, AttributeRequests::Sides, |_, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);

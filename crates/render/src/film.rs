@@ -7,10 +7,11 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use gnurt_accel::{HitBatch, INVALID_ID};
+use gnurt_accel::HitBatch;
 use gnurt_shading::Vec3s;
 
 use crate::aov::TileAovs;
+use crate::behind::Behind;
 use crate::expressions::LightSums;
 use crate::held::Held;
 use crate::mattes::TileMattes;
@@ -127,11 +128,11 @@ impl TileFilm {
         blocks(self.rect).flat_map(rows)
     }
 
-    /// Adds one sample, that of `lanes`, to each pixel; media count as opaque in `veiled` lanes, and holes take their share; returns how many of them were no numbers, and count as black.
+    /// Adds one sample, that of `lanes`, to each pixel; the background `behind` it and holes take their shares of its opacity; returns how many of them were no numbers, and count as black.
     pub(crate) fn add_sample(
         &mut self,
         radiance: &Vec3s,
-        (hits, veiled, held): (&HitBatch, &[bool], &[Held]),
+        (hits, behind, held): (&HitBatch, &[Behind], &[Held]),
         lanes: Range<usize>,
     ) -> u64 {
         let mut bad = 0;
@@ -140,9 +141,8 @@ impl TileFilm {
         let samples = colors.zip(lanes).map(|(((&x, &y), &z), lane)| {
             let good = Vec3::new(x, y, z).is_finite();
             bad += u64::from(!good);
-            let is_veiled = veiled.get(lane).copied().unwrap_or(false);
-            let covers = is_veiled || hits.prim_id[lane] != INVALID_ID;
-            let opacity = if covers { 1.0 - Held::of(held, lane).share } else { 0.0 };
+            let behind = Behind::of(behind, (hits, radiance), lane).share;
+            let opacity = 1.0 - behind - Held::of(held, lane).share;
             // Negative zeros become positive, as in sums.
             if good { [x + 0.0, y + 0.0, z + 0.0, opacity] } else { [0.0, 0.0, 0.0, opacity] }
         });

@@ -7,6 +7,7 @@
 use glam::Vec3;
 use gnurt_shading::Vec3s;
 
+use crate::behind::Behind;
 use crate::held::Held;
 use crate::options::Integrator;
 use crate::tracer::{AttributeRequests, BatchTracer};
@@ -35,6 +36,9 @@ pub(crate) fn hold_out(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
     for (lane, held) in tracer.held.iter().enumerate() {
         if held.is_dark {
             radiance.set(lane, Vec3::ZERO);
+            if let Some(behind) = tracer.behind.get_mut(lane) {
+                *behind = Behind::default();
+            }
         } else if is_drawing && held.share > 0.0 {
             radiance.set(lane, radiance.get(lane) * (1.0 - held.share));
         }

@@ -10,6 +10,7 @@ mod accumulation;
 mod adaptive;
 mod aov;
 mod bands;
+mod behind;
 mod by_name;
 mod camera;
 mod camera_batch;

@@ -10,6 +10,7 @@ use gnurt_accel::Coherence;
 use gnurt_scene::RayMask;
 use gnurt_shading::Vec3s;
 
+use crate::behind::Behind;
 use crate::camera_batch::CameraBatch;
 use crate::cost::TileCosts;
 use crate::expressions::Ledger;
@@ -44,6 +45,7 @@ pub(crate) struct SplitLight {
     /// Row by row.
     pub(crate) texels: Vec<Texel>,
     batch: CameraBatch,
+    behind: Vec<Behind>,
     costs: Vec<u64>,
     stats: RenderStats,
 }
@@ -83,15 +85,12 @@ impl<'a> Sampler<'a> {
         holdouts::begin(tracer, camera.keys.len());
         integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, &mut radiance);
         holdouts::hold_out(tracer, camera, &mut radiance);
-        // A pixel shader's rays have lanes of their own.
-        let veiled = std::mem::take(&mut tracer.veiled);
         let mut ledger = tracer.wavefront.ledger.take();
         if let Some(ledger) = &mut ledger {
             lobe_colors::fill(tracer, &self.job.options.light_layers, camera, &mut ledger.layers);
         }
         let taken = if ledger.is_some() { radiance.clone() } else { Vec3s::default() };
-        pixels::show(self.job, self.pass, tracer, &batch, &mut radiance);
-        tracer.veiled = veiled;
+        self.show(tracer, &batch, &mut radiance);
         for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
             let lanes = first..first + pixels;
             if let Some(aovs) = &mut tile.aovs {
@@ -110,7 +109,7 @@ impl<'a> Sampler<'a> {
             if let Some(ledger) = &ledger {
                 tile.light.add(&ledger.layers, &taken, lanes.clone());
             }
-            let covers = (camera.hits, &tracer.veiled[..], &tracer.held[..]);
+            let covers = (camera.hits, &tracer.behind[..], &tracer.held[..]);
             tracer.stats.bad_samples += tile.add_sample(&radiance, covers, lanes);
         }
         tracer.wavefront.ledger = ledger;
@@ -118,6 +117,18 @@ impl<'a> Sampler<'a> {
         tracer.stats.samples += camera.rays.len() as u64;
         batch.radiance = radiance;
         tracer.camera = batch;
+    }
+
+    /// Replaces radiance by the colours of a pixel shader, which hold the background in its share.
+    fn show(&self, tracer: &mut BatchTracer, batch: &CameraBatch, radiance: &mut Vec3s) {
+        if self.job.world.pixel().is_none() {
+            return;
+        }
+        // A pixel shader's rays have lanes of their own.
+        let mut behind = std::mem::take(&mut tracer.behind);
+        pixels::show(self.job, self.pass, tracer, batch, radiance);
+        behind.iter_mut().enumerate().for_each(|(lane, seen)| seen.light = radiance.get(lane) * seen.share);
+        tracer.behind = behind;
     }
 
     /// A sample of each pixel of a part of the film, with light and surfaces separate; nothing is added to
@@ -143,7 +154,8 @@ impl<'a> Sampler<'a> {
             texels[((y - y0) * (x1 - x0) + (x - x0)) as usize] = texel;
         }
         let costs = tracer.costs.take().map_or_else(Vec::new, |costs| costs.costs);
-        SplitLight { texels, batch, costs, stats: tracer.take_stats() }
+        let behind = std::mem::take(&mut tracer.behind);
+        SplitLight { texels, batch, behind, costs, stats: tracer.take_stats() }
     }
 
     /// Adds a split sample to the film; `filter` combines its parts.
@@ -159,7 +171,8 @@ impl<'a> Sampler<'a> {
         visible.filtered(tile, &mut radiance);
         holdouts::begin(tracer, split.batch.keys.len());
         holdouts::hold_out(tracer, split.batch.met(), &mut radiance);
-        pixels::show(self.job, self.pass, tracer, &split.batch, &mut radiance);
+        tracer.behind.clone_from(&split.behind);
+        self.show(tracer, &split.batch, &mut radiance);
         let camera = split.batch.met();
         if let Some(aovs) = &mut tile.aovs {
             aovs.add(tracer, camera, 0..camera.keys.len(), sample, self.job.forward, &radiance);
@@ -171,7 +184,7 @@ impl<'a> Sampler<'a> {
         }
         tile.costs.resize(split.costs.len(), 0);
         tile.costs.iter_mut().zip(&split.costs).for_each(|(sum, cost)| *sum += cost);
-        let covers = (camera.hits, &tracer.veiled[..], &tracer.held[..]);
+        let covers = (camera.hits, &tracer.behind[..], &tracer.held[..]);
         let bad_samples = tile.add_sample(&radiance, covers, 0..camera.keys.len());
         let mut stats = tracer.take_stats();
         stats.add(&split.stats);

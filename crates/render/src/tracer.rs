@@ -18,6 +18,7 @@ use gnurt_shading::{
     SurfaceShader, Vec3s,
 };
 
+use crate::behind::Behind;
 use crate::camera_batch::CameraBatch;
 use crate::cone::Cone;
 use crate::cost::TileCosts;
@@ -96,8 +97,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) direct: Vec3s,
     /// Light by scatterings, for the layers of denoisers; empty if it is not requested, or not known.
     pub(crate) seen: SeenLight,
-    /// Lanes of the camera whose light a medium scattered before it met a surface; empty if there are no media.
-    pub(crate) veiled: Vec<bool>,
+    /// What lanes of the camera see of the background; empty if the integrator does not note it.
+    pub(crate) behind: Vec<Behind>,
     /// What lanes of the camera see of holes; empty if the world has none.
     pub(crate) held: Vec<Held>,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
@@ -159,7 +160,7 @@ impl<'w> BatchTracer<'w> {
             record,
             direct: Vec3s::default(),
             seen: SeenLight::default(),
-            veiled: Vec::new(),
+            behind: Vec::new(),
             held: Vec::new(),
             spare: Vec::new(),
             camera: CameraBatch::default(),

@@ -35,6 +35,7 @@ mod motion;
 mod nested;
 mod noise_color;
 mod offsets;
+mod opacity;
 mod panes;
 mod path;
 mod persistent_lights;

@@ -2,7 +2,7 @@
 //! A floor that only catches shadow: not seen where no shadow is, as dark as a true floor where one is. //! the oracle is a Lambertian floor of the same albedo under the same sky.
 
 use crate::common::*;
-use gnurt_image::{BACKGROUND, ChannelData, Opacity, Picture};
+use gnurt_image::{Opacity, Picture};
 use gnurt_render::{Integrator, RenderOptions, Silent, render};
 use gnurt_scene::{Material, Scene, Surface};
 
@@ -57,16 +57,6 @@ fn it_may_be_there_in_part() {
         let off = (pixel[0] - ALBEDO * SKY) / SKY;
         assert!(pixel[3] < 0.01 && (-1e-5..0.04).contains(&off), "pixel {i} is clear: {pixel:?}");
     }
-}
-
-fn background(picture: &Picture) -> Vec<[f32; 4]> {
-    let layer = picture.layer(BACKGROUND).expect("the layer");
-    let values = |name: &str| match &layer.channel(name).expect("the channel").data {
-        ChannelData::F32(values) => values.clone(),
-        ChannelData::U32(_) => panic!("floats"),
-    };
-    let [r, g, b, a] = ["R", "G", "B", "A"].map(values);
-    (0..a.len()).map(|i| [r[i], g[i], b[i], a[i]]).collect()
 }
 
 #[test]

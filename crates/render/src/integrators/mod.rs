@@ -21,6 +21,7 @@ pub(crate) fn radiance(
     camera: HitLanes,
     radiance: &mut Vec3s,
 ) {
+    tracer.behind.clear();
     match integrator {
         Integrator::Eyelight => eyelight::radiance(tracer, camera, radiance),
         Integrator::Normals => normals::radiance(tracer, camera, radiance),

@@ -18,6 +18,7 @@ use gnurt_shading::lights::LightId;
 use gnurt_shading::{SampleKey, Vec3s};
 use gnurt_simd::dispatch_wide;
 
+use crate::behind::Behind;
 use crate::seen::most_edges;
 use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::transport::absorption::absorb;
@@ -43,6 +44,7 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         paths.set_chains(tracer.caustics.is_some());
     }
     wavefront.paths.start(camera.rays);
+    Behind::begin(&mut tracer.behind, camera.rays.len());
     let lanes = if tracer.options.seen { camera.rays.len() } else { 0 };
     wavefront.seen.reset(lanes, most_edges(tracer.options));
     if let Some(ledger) = &mut wavefront.ledger {
@@ -58,7 +60,6 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         wavefront.paths.begin_inside(media::inside_at(tracer, camera.rays, camera.keys));
         hits.clone_from(camera.hits);
         fly(tracer, (camera.rays, camera.keys), &mut hits, &mut wavefront, radiance);
-        wavefront.in_media.mark(camera.rays.len(), &mut tracer.veiled);
         step(tracer, HitLanes { hits: &hits, ..camera }, &mut wavefront, radiance);
     }
     for round in 1.. {
@@ -331,9 +332,20 @@ fn note_direct(tracer: &mut BatchTracer, radiance_only: &[u32], radiance: &Vec3s
     radiance_only.iter().for_each(|&lane| tracer.direct.set(lane as usize, Vec3::ZERO));
 }
 
+/// The part of light from infinity that absorption leaves.
+fn beyond(path: &Path) -> Vec3 {
+    left_after(f32::INFINITY, [path.absorption, Vec3::ZERO])
+}
+
 /// Radiance of paths that left the scene.
 fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let missed: Vec<usize> = (0..from.hits.len()).filter(|&i| media::is_missed(from.hits, i)).collect();
+    for &i in &missed {
+        let path = wavefront.paths.get(i, from.keys[i]);
+        if path.is_straight() {
+            Behind::leave(&mut tracer.behind, path.lane as usize, path.throughput * beyond(&path));
+        }
+    }
     if missed.is_empty() || tracer.world.lights().environment.is_none() {
         return;
     }
@@ -349,9 +361,11 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefro
         }
         let dir = Vec3::from(from.rays.get(i).dir);
         let weight = weigh_environment(lights, &path, dir);
-        let left = left_after(f32::INFINITY, [path.absorption, Vec3::ZERO]);
-        let light = path.throughput * direct.get(k) * weight * left;
+        let light = path.throughput * direct.get(k) * weight * beyond(&path);
         let light = add(radiance, path.lane, light, path.edges, tracer.options.clamp);
+        if path.is_straight() {
+            Behind::add(&mut tracer.behind, path.lane as usize, light);
+        }
         if tracer.options.seen {
             wavefront.seen.add(path.lane, light, (path.scattered, path.edges));
         }

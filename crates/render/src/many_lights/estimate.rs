@@ -32,6 +32,7 @@ use super::parts::Parts;
 use super::pass::PassLights;
 use super::vpl;
 use super::walk::{Last, Stop, Walk, purpose};
+use crate::behind::Behind;
 use crate::cone::{Cone, ConeHit, fineness};
 use crate::tracer::{BatchTracer, Sharing};
 use crate::transport::manifold::{Caustics, Chain};
@@ -72,6 +73,7 @@ fn all_radiance(
     if tracer.options.max_depth == 0 {
         return;
     }
+    Behind::begin(&mut tracer.behind, camera.rays.len());
     let options = tracer.options;
     let keys: Option<Vec<SampleKey>> = options
         .pattern()
@@ -425,15 +427,22 @@ fn arrive(
         let walk = &walk.absorbed(vertex.as_ref());
         let Some(mut vertex) = vertex else {
             let dir = Vec3::from(rays.get(i).dir);
-            let is_backdrop = walk.edges == 1 && tracer.world.lights().backdrop.is_some();
+            let is_straight = walk.edges == 1;
+            if is_straight {
+                Behind::leave(&mut tracer.behind, lane, walk.throughput);
+            }
+            let is_backdrop = is_straight && tracer.world.lights().backdrop.is_some();
             let radiance_there = match is_backdrop {
                 true => tracer.environment(rays, &[i], |_| true).get(0),
                 false => lights.environment(dir),
             };
             if radiance_there != Vec3::ZERO {
                 let pdf = walk.last.map_or(0.0, |last| lights.pdf_environment(last.point.p, last.side, dir));
-                radiance
-                    .add(lane, walk.throughput * radiance_there * (walk.light_gain * share_of(walk, pdf)));
+                let light = walk.throughput * radiance_there * (walk.light_gain * share_of(walk, pdf));
+                radiance.add(lane, light);
+                if is_straight {
+                    Behind::add(&mut tracer.behind, lane, light);
+                }
             }
             continue;
         };
@@ -496,7 +505,11 @@ fn environment_of_shaders(
     let radiance_there = tracer.environment(rays, &missed, |lane| walks[lane].edges == 1);
     for (k, &i) in missed.iter().enumerate() {
         let walk = walks[i].absorbed(None);
-        radiance.add(walk.lane as usize, walk.throughput * radiance_there.get(k));
+        let (lane, light) = (walk.lane as usize, walk.throughput * radiance_there.get(k));
+        radiance.add(lane, light);
+        if walk.edges == 1 {
+            Behind::add(&mut tracer.behind, lane, light);
+        }
     }
 }
 

@@ -33,13 +33,6 @@ pub(super) struct MediumVertex {
 }
 
 impl MediumVertices {
-    /// Marks the lanes that they are of, among `count`.
-    pub(crate) fn mark(&self, count: usize, lanes: &mut Vec<bool>) {
-        lanes.clear();
-        lanes.resize(count, false);
-        self.numbers.iter().for_each(|&lane| lanes[lane as usize] = true);
-    }
-
     /// Adds a vertex of the path of a number and a key.
     pub(super) fn push(&mut self, (number, key): (u32, SampleKey), vertex: &MediumVertex) {
         self.numbers.push(number);

@@ -50,6 +50,13 @@ pub(crate) struct Path {
     pub(crate) chain: Chain,
 }
 
+impl Path {
+    /// Whether it is a camera ray, or goes straight on from one.
+    pub(crate) fn is_straight(&self) -> bool {
+        self.edges == 1
+    }
+}
+
 /// Where a ray was scattered with a density.
 #[derive(Clone, Copy)]
 pub(crate) struct Origin {

@@ -11,7 +11,7 @@ mod divided;
 use std::sync::Arc;
 
 pub use divided::*;
-use gnurt_image::Picture;
+use gnurt_image::{BACKGROUND, ChannelData, Picture};
 use gnurt_render::{CommitOptions, Frame, RenderOptions, SceneCamera, ShaderTable, Silent, World, render};
 use gnurt_scene::{Affine, Camera, Light, Material, MaterialId, Mesh, Primitives, Scene};
 use gnurt_shading::SurfaceShader;
@@ -189,6 +189,17 @@ pub fn mean(picture: &Picture) -> [f64; 3] {
         (0..3).for_each(|k| sum[k] += f64::from(pixel[k]));
     }
     sum.map(|s| s / picture.pixel_count() as f64)
+}
+
+/// The layer of the background.
+pub fn background(picture: &Picture) -> Vec<[f32; 4]> {
+    let layer = picture.layer(BACKGROUND).expect("the layer");
+    let values = |name: &str| match &layer.channel(name).expect("the channel").data {
+        ChannelData::F32(values) => values.clone(),
+        ChannelData::U32(_) => panic!("floats"),
+    };
+    let [r, g, b, a] = ["R", "G", "B", "A"].map(values);
+    (0..a.len()).map(|i| [r[i], g[i], b[i], a[i]]).collect()
 }
 
 /// Radiance that a narrow view sees at a point.
