@@ -21,8 +21,8 @@ pub(crate) fn cargo() -> Command {
     command
 }
 
-/// All packages, and of each what its tests need. `--all-targets` adds libraries as benchmarks: there are none, and cargo would
-/// compile each library without unit tests once more.
+/// All packages, with their tests. `--all-targets` adds libraries as benchmarks: there are none, and cargo would compile
+/// each library without unit tests once more.
 pub(crate) const TESTED: [&str; 5] = ["--workspace", "--lib", "--bins", "--tests", "--examples"];
 
 /// Builds what tests and checks run, with one choice of features: with another, half of the crates would be compiled again.
