@@ -65,7 +65,7 @@ fn run_all() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The steps that need the build and leave most of a core idle: two thirds of the tests do so, too.
+/// The steps that need the build and leave cores idle, as some of the tests do.
 fn run_beside_tests() -> Result<(), Failure> {
     let mut steps = Steps::default();
     steps.run("ARM", arm::shaders)?;
@@ -95,8 +95,8 @@ impl Beside {
         let log = target.join("beside-tests.log");
         let failed = |error: std::io::Error| format!("{}: {error}", log.display());
         let (out, err) = File::create(&log).and_then(|file| Ok((file.try_clone()?, file))).map_err(failed)?;
-        let program = std::env::current_exe().map_err(|error| format!("the path of xtask: {error}"))?;
-        let mut command = Command::new(program);
+        // The build may have replaced the file of this process.
+        let mut command = Command::new(target.join("debug/xtask"));
         command.args(["ci", BESIDE_TESTS]).stdout(out).stderr(err);
         let process = command.spawn().map_err(|error| format!("the checks beside the tests: {error}"))?;
         Ok(Self { process, log })
