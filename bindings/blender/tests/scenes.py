@@ -987,6 +987,19 @@ def light_path():
 
 
 @scene
+def hidden_behind_transparent():
+    """Hidden from the camera, also through a pane and smoke; shown to the camera alone, too."""
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    bpy.data.objects["Cube"].visible_camera = False
+    ring = bpy.data.objects["Torus"]
+    ring.visible_diffuse = ring.visible_glossy = ring.visible_transmission = ring.visible_volume_scatter = ring.visible_shadow = False
+    shape("plane", (-1, -1.6, 1), material("pane", "ShaderNodeBsdfTransparent", Color=(0.8, 0.9, 0.8)), size=2.4, rotation=(1.3, 0, 0))
+    shape("cube", (1.2, 0, 1), filled("smoke", "ShaderNodeVolumePrincipled", Color=(0.8, 0.8, 0.8), Density=0.2), size=2.4)
+    bpy.context.scene["means only"] = True
+
+
+@scene
 def transparent_shadows():
     stage()
     light("AREA", (2, -4, 6), 600, size=1)

@@ -91,7 +91,7 @@ pub(crate) fn fill(tracer: &mut BatchTracer, layers: &[LightLayer], camera: HitL
         }
         let Rest { rays, keys, lanes } = &rest;
         tracer.stats.secondary_rays += keys.len() as u64;
-        let hits = tracer.intersect(RayMask::OTHER, rays, keys, Coherence::Coherent);
+        let hits = tracer.intersect(RayMask::CAMERA, rays, keys, Coherence::Coherent);
         let from = HitLanes { rays, keys, hits: &hits, cones: Some(&cones), depth: 1 };
         rest = gather(tracer, from, |lane| lanes[lane], &mut to);
     }

@@ -97,6 +97,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) direct: Vec3s,
     /// Light by scatterings, for the layers of denoisers; empty if it is not requested, or not known.
     pub(crate) seen: SeenLight,
+    /// Whether camera rays, and those that go straight on from them, meet other instances than scattered rays do.
+    pub(crate) differs_for_camera: bool,
     /// What lanes of the camera see of the background; empty if the integrator does not note it.
     pub(crate) behind: Vec<Behind>,
     /// What lanes of the camera see of holes; empty if the world has none.
@@ -160,6 +162,7 @@ impl<'w> BatchTracer<'w> {
             record,
             direct: Vec3s::default(),
             seen: SeenLight::default(),
+            differs_for_camera: false,
             behind: Vec::new(),
             held: Vec::new(),
             spare: Vec::new(),

@@ -3,6 +3,7 @@
 
 use crate::common::*;
 use gnurt_render::{Integrator, RenderOptions, SceneCamera, Silent, World, render};
+use gnurt_scene::material::{Alpha, Opacity, OpacityChannel};
 use gnurt_scene::{InstanceId, Light, Material, RayMask, Scene, Surface};
 
 const INTEGRATORS: [Integrator; 2] = [Integrator::Path, Integrator::Whitted];
@@ -53,6 +54,24 @@ fn the_camera_sees_through_what_its_rays_do_not_see() {
         assert!(gone > 0.1, "the floor is lit: {gone}");
         assert!((hidden - gone).abs() < 1e-4, "{integrator:?}: seen through: {hidden}, not {gone}");
         assert_eq!(shown, 0.0, "{integrator:?}: in front");
+    }
+}
+
+#[test]
+fn camera_rays_go_on_through_transparent_surfaces() {
+    for integrator in [Integrator::Path, Integrator::InstantRadiosity] {
+        let mut scene = lit_floor();
+        let opacity = Opacity { factor: 0.0, texture: None, channel: OpacityChannel::Alpha };
+        let clear = Material { alpha: Alpha::Blend { opacity }, ..Material::matte("clear", [0.5; 3]) };
+        let [clear, black] = [scene.add_material(clear), matte(&mut scene, [0.0; 3])];
+        for (y, material) in [(-3.0, clear), (-2.0, black)] {
+            put_mesh(&mut scene, quad([-1.0, y, 0.5], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], material));
+        }
+        let view = [[0.0, -4.0, 2.0], [0.0, 0.0, 0.0]];
+        let [hidden, shown, gone] = with_and_without(&mut scene, RayMask::CAMERA, view, integrator);
+        assert!(gone > 0.1, "the floor is lit: {gone}");
+        assert!((hidden - gone).abs() < 1e-4, "{integrator:?}: seen through: {hidden}, not {gone}");
+        assert_eq!(shown, 0.0, "{integrator:?}: behind the pane");
     }
 }
 

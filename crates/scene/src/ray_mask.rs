@@ -13,7 +13,7 @@ pub struct RayMask(pub u32);
 impl RayMask {
     /// None.
     pub const NONE: Self = Self(0);
-    /// Rays from the camera to the first surface. Where that lets light straight through, they go on as other rays.
+    /// Rays from the camera to the first surface, and straight on through transparent surfaces and media.
     pub const CAMERA: Self = Self(1);
     /// Rays from a surface to a light: an instance without this bit casts no shadow.
     pub const SHADOW: Self = Self(2);

@@ -209,8 +209,9 @@ RTAPI void RTAPIENTRY rtRemoveObject(RTuint id);
 /* Replaces an instance's matrix by the current RT_MODELVIEW matrix. BE; IV. */
 RTAPI void RTAPIENTRY rtUpdateInstance(RTuint instance);
 
-/* Which rays see an instance, as bits: 1 those from the camera to the first surface, 2 shadow rays, 4 all others (reflected,
- * refracted, scattered, and light that lamps send out). New instances are seen by all rays. BE; IV. */
+/* Which rays see an instance, as bits: 1 those from the camera to the first surface and straight on through transparent ones,
+ * 2 shadow rays, 4 all others (reflected, refracted, scattered, and light that lamps send out). New instances are seen by all
+ * rays. BE; IV. */
 RTAPI void RTAPIENTRY rtInstanceMask(RTuint instance, RTuint mask);
 
 /* Removes an instance. BE; IV. */

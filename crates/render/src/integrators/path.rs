@@ -74,9 +74,16 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
             break;
         }
         // Lent out while the step is taken.
-        let (rays, keys, cones) = wavefront.paths.lend();
+        let (mut rays, keys, cones) = wavefront.paths.lend();
         tracer.stats.secondary_rays += rays.len() as u64;
-        tracer.intersect_into(RayMask::OTHER, &rays, &keys, Coherence::Incoherent, &mut hits);
+        let kinds = if tracer.differs_for_camera {
+            wavefront.paths.set_kinds(&mut rays);
+            RayMask::CAMERA | RayMask::OTHER
+        } else {
+            RayMask::OTHER
+        };
+        tracer.intersect_into(kinds, &rays, &keys, Coherence::Incoherent, &mut hits);
+        rays.mask.clear();
         if let Some(log) = &mut tracer.log {
             log.rays(round, &rays, &hits);
         }

@@ -50,7 +50,7 @@ pub(crate) fn gather(
         }
         let Rest { rays, keys, pixels, shares } = &rest;
         tracer.stats.secondary_rays += keys.len() as u64;
-        let hits = tracer.intersect(RayMask::OTHER, rays, keys, Coherence::Coherent);
+        let hits = tracer.intersect(RayMask::CAMERA, rays, keys, Coherence::Coherent);
         let from = HitLanes { rays, keys, hits: &hits, cones: Some(&cones), depth: 1 };
         let of = |lane: usize| (pixels[lane], shares[lane]);
         rest = cover(tracer, kinds, (from, 0..keys.len()), of, mattes);

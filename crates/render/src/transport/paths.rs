@@ -7,6 +7,7 @@
 
 use glam::Vec3;
 use gnurt_accel::{HitBatch, Ray, RayBatch};
+use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
@@ -297,6 +298,13 @@ impl Paths {
     pub(crate) fn lend(&mut self) -> (RayBatch, Vec<SampleKey>, Cones) {
         let Self { rays, keys, cones, .. } = self;
         (std::mem::take(rays), std::mem::take(keys), std::mem::take(cones))
+    }
+
+    /// Writes which instances rays meet: those that are straight meet what camera rays do.
+    pub(crate) fn set_kinds(&self, rays: &mut RayBatch) {
+        let kind_of = |&edges: &u32| if edges == 1 { RayMask::CAMERA.0 } else { RayMask::OTHER.0 };
+        rays.mask.clear();
+        rays.mask.extend(self.edges[..rays.len()].iter().map(kind_of));
     }
 
     /// Takes their memory back.

@@ -165,7 +165,9 @@ impl BatchTracer<'_> {
             }
             let Walks { rays, keys, cones, carried, .. } = &beyond;
             self.stats.secondary_rays += rays.len() as u64;
-            let hits = self.intersect(RayMask::OTHER, rays, keys, Coherence::Incoherent);
+            // Straight on: the rays are of one kind.
+            let kind = if from.is_of_camera(0) { RayMask::CAMERA } else { RayMask::OTHER };
+            let hits = self.intersect(kind, rays, keys, Coherence::Incoherent);
             let found = self.vertices(HitLanes { rays, keys, hits: &hits, cones: cones.as_ref(), depth });
             carried.iter().zip(found).for_each(|(&(lane, _), found)| stops.vertices[lane] = found);
             let met = beyond.carried.into_iter().zip(beyond.keys);

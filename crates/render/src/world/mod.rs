@@ -8,6 +8,7 @@
 mod areas;
 mod beams;
 mod bend;
+mod camera_masks;
 mod casters;
 mod check;
 mod commit;
