@@ -60,8 +60,8 @@ pub(crate) struct Job<'a> {
     pub(crate) caustics: Option<Arc<Caustics>>,
     /// Lights that do not reach everything, if there are any.
     pub(crate) links: Option<Arc<LightLinks>>,
-    /// Whether camera rays meet other instances than scattered rays do.
-    differs_for_camera: bool,
+    /// Whether camera rays meet other instances than scattered rays do, found at first use: there may be many instances.
+    differs_for_camera: Arc<OnceLock<bool>>,
 }
 
 impl<'a> Job<'a> {
@@ -100,7 +100,7 @@ impl<'a> Job<'a> {
             guide: None,
             caustics: None,
             links: LightLinks::new(world).map(Arc::new),
-            differs_for_camera: world.differs_for_camera(),
+            differs_for_camera: Arc::default(),
         }
     }
 
@@ -108,7 +108,7 @@ impl<'a> Job<'a> {
     pub(crate) fn tracer(&self, costs: bool) -> BatchTracer<'a> {
         let mut tracer = BatchTracer::new(self.world, self.options, costs);
         tracer.properties = Some(self.properties);
-        tracer.differs_for_camera = self.differs_for_camera;
+        tracer.differs_for_camera = self.differs_for_camera.clone();
         tracer
     }
 

@@ -7,6 +7,7 @@
 //! Tests: crates/render/tests/{lights,mirrors,appearance,determinism}.rs.
 
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Pencil, Query, RayBatch, Record};
@@ -97,8 +98,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) direct: Vec3s,
     /// Light by scatterings, for the layers of denoisers; empty if it is not requested, or not known.
     pub(crate) seen: SeenLight,
-    /// Whether camera rays, and those that go straight on from them, meet other instances than scattered rays do.
-    pub(crate) differs_for_camera: bool,
+    /// Whether camera rays meet other instances than scattered rays do, once it is known.
+    pub(crate) differs_for_camera: Arc<OnceLock<bool>>,
     /// What lanes of the camera see of the background; empty if the integrator does not note it.
     pub(crate) behind: Vec<Behind>,
     /// What lanes of the camera see of holes; empty if the world has none.
@@ -162,7 +163,7 @@ impl<'w> BatchTracer<'w> {
             record,
             direct: Vec3s::default(),
             seen: SeenLight::default(),
-            differs_for_camera: false,
+            differs_for_camera: Arc::default(),
             behind: Vec::new(),
             held: Vec::new(),
             spare: Vec::new(),

@@ -76,7 +76,8 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         // Lent out while the step is taken.
         let (mut rays, keys, cones) = wavefront.paths.lend();
         tracer.stats.secondary_rays += rays.len() as u64;
-        let kinds = if tracer.differs_for_camera {
+        let differs = || *tracer.differs_for_camera.get_or_init(|| tracer.world.differs_for_camera());
+        let kinds = if wavefront.paths.has_straight() && differs() {
             wavefront.paths.set_kinds(&mut rays);
             RayMask::CAMERA | RayMask::OTHER
         } else {

@@ -54,8 +54,13 @@ pub(crate) struct Path {
 impl Path {
     /// Whether it is a camera ray, or goes straight on from one.
     pub(crate) fn is_straight(&self) -> bool {
-        self.edges == 1
+        is_straight(self.edges)
     }
+}
+
+/// Whether a path with this number of edges, up to its next hit, goes straight on from the camera.
+fn is_straight(edges: u32) -> bool {
+    edges == 1
 }
 
 /// Where a ray was scattered with a density.
@@ -300,9 +305,14 @@ impl Paths {
         (std::mem::take(rays), std::mem::take(keys), std::mem::take(cones))
     }
 
+    /// Whether some go straight on from camera rays.
+    pub(crate) fn has_straight(&self) -> bool {
+        self.edges[..self.count].iter().any(|&edges| is_straight(edges))
+    }
+
     /// Writes which instances rays meet: those that are straight meet what camera rays do.
     pub(crate) fn set_kinds(&self, rays: &mut RayBatch) {
-        let kind_of = |&edges: &u32| if edges == 1 { RayMask::CAMERA.0 } else { RayMask::OTHER.0 };
+        let kind_of = |&edges: &u32| if is_straight(edges) { RayMask::CAMERA.0 } else { RayMask::OTHER.0 };
         rays.mask.clear();
         rays.mask.extend(self.edges[..rays.len()].iter().map(kind_of));
     }
